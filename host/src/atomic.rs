@@ -1,0 +1,208 @@
+//! Output that appears whole or not at all.
+
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A file under construction: what is written shows at its path only with [`commit`](Self::commit).
+///
+/// Until then the bytes are in a temporary file beside the target, which is removed when this value is dropped.
+/// An old file at the path stays as it is up to the moment when the new one takes its place; a symbolic link is
+/// followed, so that the link remains and the file behind it is replaced. A new file gets the mode that the
+/// process's umask gives, a replaced one keeps its own.
+///
+/// A device, a FIFO, and anything in `/dev` or `/proc` (such as `/dev/stdout`) cannot be replaced: bytes go straight
+/// into it as they come. Writes are buffered either way.
+///
+/// ```
+/// use std::io::Write;
+/// use wavelift_host::atomic::AtomicFile;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("new.raw");
+/// let mut file = AtomicFile::create(&path)?;
+/// file.write_all(b"samples")?;
+/// assert!(!path.exists());
+/// file.commit()?;
+/// assert_eq!(std::fs::read(&path)?, b"samples");
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct AtomicFile {
+    target: Target,
+}
+
+#[derive(Debug)]
+enum Target {
+    Replaced { file: BufWriter<NamedTempFile>, path: PathBuf },
+    Direct(BufWriter<File>),
+}
+
+impl AtomicFile {
+    /// Opens a temporary file beside `path`, or `path` itself where it cannot be replaced.
+    ///
+    /// # Errors
+    ///
+    /// When the folder is missing or not writable, `path` is a folder, or a device cannot be opened.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        if is_direct(path) {
+            let file = OpenOptions::new().write(true).open(path)?;
+            return Ok(Self { target: Target::Direct(BufWriter::new(file)) });
+        }
+        if path.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let folder = folder_of(&path);
+        fs::metadata(folder)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".wavelift-").suffix(".part");
+        if let Some(mode) = new_file_mode() {
+            builder.permissions(mode);
+        }
+        let file = builder.tempfile_in(folder)?;
+        if let Ok(old) = fs::metadata(&path) {
+            file.as_file().set_permissions(old.permissions())?;
+        }
+        Ok(Self { target: Target::Replaced { file: BufWriter::new(file), path } })
+    }
+
+    /// Writes what is buffered, makes the storage keep it, and puts the file in its place.
+    ///
+    /// # Errors
+    ///
+    /// When any of the three fails; the old file, if there was one, is then still there, and no other.
+    pub fn commit(self) -> io::Result<()> {
+        match self.target {
+            Target::Direct(mut file) => file.flush(),
+            Target::Replaced { file, path } => {
+                let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+                file.as_file().sync_all()?;
+                file.persist(path)?;
+                Ok(())
+            }
+        }
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.target {
+            Target::Replaced { file, .. } => file.write(bytes),
+            Target::Direct(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.target {
+            Target::Replaced { file, .. } => file.flush(),
+            Target::Direct(file) => file.flush(),
+        }
+    }
+}
+
+/// Whether bytes must go straight into `path`: it is no regular file, or its folder belongs to the system.
+fn is_direct(path: &Path) -> bool {
+    let special = fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    let folder = fs::canonicalize(folder_of(path)).unwrap_or_default();
+    special || folder == Path::new("/dev") || folder.starts_with("/proc")
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Mode for a new file, from which the system takes what the umask forbids.
+#[cfg(unix)]
+fn new_file_mode() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn new_file_mode() -> Option<Permissions> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let mut file = AtomicFile::create(path)?;
+        file.write_all(bytes)?;
+        file.commit()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn an_abandoned_file_leaves_the_old_one_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        fs::write(&path, "old").unwrap();
+        let mut file = AtomicFile::create(&path).unwrap();
+        file.write_all(&[0; 100_000]).unwrap();
+        file.flush().unwrap();
+        assert_eq!(names(folder.path()).len(), 2);
+        drop(file);
+        assert_eq!(names(folder.path()), ["a"]);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        write(&path, b"new").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a"]);
+    }
+
+    #[test]
+    fn missing_folders_and_folders_as_targets_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = AtomicFile::create(&folder.path().join("none/a")).unwrap_err();
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+        let directory = AtomicFile::create(folder.path()).unwrap_err();
+        assert_eq!(directory.kind(), io::ErrorKind::IsADirectory);
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn modes_are_those_of_ordinary_files_and_links_stay_links() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let folder = tempfile::tempdir().unwrap();
+        let [plain, path, link] = ["plain", "new", "link"].map(|name| folder.path().join(name));
+        File::create(&plain).unwrap();
+        write(&path, b"1").unwrap();
+        assert_eq!(mode(&path), mode(&plain));
+
+        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
+        symlink("new", &link).unwrap();
+        write(&link, b"2").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"2");
+        assert_eq!(mode(&path), 0o640);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_are_written_straight() {
+        write(Path::new("/dev/null"), b"gone").unwrap();
+        let full = write(Path::new("/dev/full"), b"no room").unwrap_err();
+        assert_eq!(full.kind(), io::ErrorKind::StorageFull);
+        let missing = AtomicFile::create(Path::new("/dev/no-such-device")).unwrap_err();
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+        assert!(is_direct(Path::new("/dev/stdout")));
+        assert!(is_direct(Path::new("/dev/fd/1")));
+        assert!(!is_direct(Path::new("/dev/shm/volume.raw")));
+    }
+}

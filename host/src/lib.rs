@@ -1,0 +1,4 @@
+//! Host.
+
+pub mod atomic;
+pub mod volume;

@@ -1,0 +1,200 @@
+//! What can go wrong with a file of a volume, and whose fault it is.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use super::npy::NpyError;
+use super::nrrd::NrrdError;
+
+/// Whose fault an error is; the program's exit code follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// What the user asked for: missing or contradictory arguments.
+    Usage,
+    /// What is in the file.
+    Data,
+    /// The system: a file that cannot be opened, a full disk.
+    Io,
+}
+
+/// Bytes that were found where a number of bytes was expected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// So many.
+    Exactly(u64),
+    /// More than these; reading stopped there.
+    MoreThan(u64),
+    /// No more than these, however well they are compressed; nothing was read.
+    AtMost(u64),
+}
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exactly(bytes) => write!(f, "{bytes}"),
+            Self::MoreThan(bytes) => write!(f, "more than {bytes}"),
+            Self::AtMost(bytes) => write!(f, "at most {bytes}"),
+        }
+    }
+}
+
+/// Why a volume could not be read. The text is complete: file, fault, and what to do where that is known.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The system refused.
+    #[error("{}: cannot read: {cause}", path.display())]
+    Io {
+        /// File in question: the data file where header and data are detached.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// A raw file without a layout.
+    #[error(
+        "{}: a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
+         the first bytes are those of .nrrd, .nhdr or .npy)",
+        path.display()
+    )]
+    NoLayout {
+        /// File in question.
+        path: PathBuf,
+    },
+    /// A raw file of another length than its layout.
+    #[error(
+        "{}: {layout} is {expected} bytes, the file has {found}: check --extent and --type{hint}",
+        path.display()
+    )]
+    LayoutMismatch {
+        /// File in question.
+        path: PathBuf,
+        /// Extent and type as given, `64x64x93 of u16`.
+        layout: String,
+        /// Bytes of that layout.
+        expected: u64,
+        /// Bytes of the file.
+        found: Found,
+        /// A guess at what is wrong, or nothing.
+        hint: &'static str,
+    },
+    /// More or fewer samples than the header of the file says.
+    #[error(
+        "{}: the header promises {expected} bytes of samples, the file has {found}: it is damaged or cut short",
+        path.display()
+    )]
+    SampleBytes {
+        /// File in question: the data file where header and data are detached.
+        path: PathBuf,
+        /// Bytes according to extent and type.
+        expected: u64,
+        /// Bytes that are there, after decompression.
+        found: Found,
+    },
+    /// Compressed samples that cannot be decompressed.
+    #[error("{}: the gzip data are damaged: {cause}", path.display())]
+    Gzip {
+        /// File in question.
+        path: PathBuf,
+        /// What the decompressor said.
+        cause: io::Error,
+    },
+    /// More samples than this machine can hold.
+    #[error("{}: {bytes} bytes of samples do not fit into memory", path.display())]
+    TooLarge {
+        /// File in question.
+        path: PathBuf,
+        /// Bytes according to extent and type.
+        bytes: u64,
+    },
+    /// A header that is no NRRD header of a volume.
+    #[error("{}: {cause}", path.display())]
+    Nrrd {
+        /// File in question.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: NrrdError,
+    },
+    /// A header that is no NumPy header of a volume.
+    #[error("{}: {cause}", path.display())]
+    Npy {
+        /// File in question.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: NpyError,
+    },
+}
+
+impl ReadError {
+    /// Whose fault it is.
+    pub const fn kind(&self) -> Fault {
+        match self {
+            Self::Io { .. } | Self::TooLarge { .. } => Fault::Io,
+            Self::NoLayout { .. } | Self::LayoutMismatch { .. } => Fault::Usage,
+            Self::SampleBytes { .. } | Self::Gzip { .. } | Self::Nrrd { .. } | Self::Npy { .. } => {
+                Fault::Data
+            }
+        }
+    }
+}
+
+/// Why a volume could not be written. Nothing has changed at its path then.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The system refused.
+    #[error("{}: cannot write: {cause}", path.display())]
+    Io {
+        /// File in question: the data file where header and data are detached.
+        path: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// The volume's samples are not as many as its extent says.
+    #[error("{}: the volume has {found} bytes of samples where its extent and type need {expected}", path.display())]
+    SampleBytes {
+        /// File in question.
+        path: PathBuf,
+        /// Bytes according to extent and type; `u64::MAX` if too many to count.
+        expected: u64,
+        /// Bytes of the samples.
+        found: u64,
+    },
+    /// Compression was asked for in a format that has none.
+    #[error("{}: only NRRD files hold gzip data: leave gzip out, or write .nrrd or .nhdr", path.display())]
+    NoGzip {
+        /// File in question.
+        path: PathBuf,
+    },
+    /// A detached header would replace a data file that does not belong to it.
+    #[error(
+        "{}: its samples would replace {}, which is there already: move that file or choose another name",
+        path.display(),
+        data.display()
+    )]
+    DataFileExists {
+        /// The header.
+        path: PathBuf,
+        /// The data file.
+        data: PathBuf,
+    },
+}
+
+impl WriteError {
+    /// Whose fault it is.
+    pub const fn kind(&self) -> Fault {
+        match self {
+            Self::Io { .. } => Fault::Io,
+            Self::SampleBytes { .. } => Fault::Data,
+            Self::NoGzip { .. } | Self::DataFileExists { .. } => Fault::Usage,
+        }
+    }
+}
+
+/// At most 48 characters of `text` as a quoted literal, so that no file can write to a terminal.
+pub(super) fn excerpt(text: &str) -> String {
+    match text.char_indices().nth(48) {
+        Some((end, _)) => format!("{:?}…", &text[..end]),
+        None => format!("{text:?}"),
+    }
+}

@@ -1,0 +1,297 @@
+//! What a file says about its samples beside their extent and type.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::ByteOrder;
+
+/// All that a file says about a volume beside extent and type, kept so that it can be written again.
+///
+/// The words are those of NRRD, the richest of the formats; its lines are kept as they stand. Numbers are read
+/// out of them when asked for ([`spacing`](Self::spacing), …), so no digit changes between two files.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Metadata {
+    /// Number of axes in the file, 1 to 3: a slice comes back as a slice.
+    pub rank: u8,
+    /// How the samples lay in the file.
+    pub source: Source,
+    /// Lines of the header in their order, without those that extent, type and encoding determine.
+    pub lines: Vec<HeaderLine>,
+}
+
+/// How samples lay in the file they came from, so that by default they are written the same way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// Format of the file.
+    pub format: FileFormat,
+    /// Order of the bytes of a sample. Little for samples of one byte.
+    pub byte_order: ByteOrder,
+    /// Whether the file named its axes x first and said so (NumPy's `fortran_order`).
+    pub fortran_order: bool,
+}
+
+/// File formats of volumes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FileFormat {
+    /// Samples only.
+    Raw,
+    /// NRRD, header attached or detached.
+    Nrrd,
+    /// NumPy's array file.
+    Npy,
+}
+
+impl FileFormat {
+    /// Format that a file of this name is written in: by its extension in any case, raw for every unknown one.
+    pub fn of_path(path: &Path) -> Self {
+        let is = |wanted| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted));
+        if is("nrrd") || is("nhdr") {
+            Self::Nrrd
+        } else if is("npy") {
+            Self::Npy
+        } else {
+            Self::Raw
+        }
+    }
+
+    /// Name in messages: `raw`, `NRRD`, `.npy`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Raw => "raw",
+            Self::Nrrd => "NRRD",
+            Self::Npy => ".npy",
+        }
+    }
+}
+
+/// One line of an NRRD header.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HeaderLine {
+    /// `# text`; the text is kept with the space before it.
+    Comment(String),
+    /// `name: value`.
+    Field {
+        /// As it stands in the file, in whatever case and spacing.
+        name: String,
+        /// As it stands in the file, without the blanks around it.
+        value: String,
+    },
+    /// `key:=value`, with escapes resolved: a newline is a newline here.
+    KeyValue {
+        /// Any text.
+        key: String,
+        /// Any text.
+        value: String,
+    },
+}
+
+impl Metadata {
+    /// Metadata of a file that says nothing: little-endian, no lines.
+    pub const fn plain(rank: u8, format: FileFormat) -> Self {
+        let source = Source { format, byte_order: ByteOrder::Little, fortran_order: false };
+        Self { rank, source, lines: Vec::new() }
+    }
+
+    /// Value of a field, by a name in any case, with or without its spaces: `space origin` is `SpaceOrigin`.
+    pub fn field(&self, name: &str) -> Option<&str> {
+        self.lines.iter().find_map(|line| match line {
+            HeaderLine::Field { name: found, value } if is_same_name(found, name) => Some(value.as_str()),
+            _ => None,
+        })
+    }
+
+    /// Value of the last pair with this key; keys are compared exactly.
+    pub fn key_value(&self, key: &str) -> Option<&str> {
+        self.lines.iter().rev().find_map(|line| match line {
+            HeaderLine::KeyValue { key: found, value } if found == key => Some(value.as_str()),
+            _ => None,
+        })
+    }
+
+    /// What the volume is, in the file's words (`content`).
+    pub fn name(&self) -> Option<&str> {
+        self.field("content")
+    }
+
+    /// Distance between samples along x, y and z, in the file's units.
+    ///
+    /// From `spacings`, else the lengths of `space directions`; 1 for axes that the file does not have. `None`
+    /// unless every axis of the file has a positive, finite one.
+    pub fn spacing(&self) -> Option<[f64; 3]> {
+        let given = self.field("spacings").and_then(|text| text.split_whitespace().map(number).collect());
+        let given: Vec<f64> = given.or_else(|| {
+            let lengths = self.directions()?.into_iter();
+            Some(lengths.map(|axis| axis.iter().map(|part| part * part).sum::<f64>().sqrt()).collect())
+        })?;
+        let valid = given.len() == usize::from(self.rank) && given.iter().all(|step| *step > 0.0);
+        valid.then(|| std::array::from_fn(|axis| given.get(axis).copied().unwrap_or(1.0)))
+    }
+
+    /// Steps in space from one sample to the next along each axis of the file (`space directions`).
+    ///
+    /// `None` if the field is missing, or any axis has no direction (`none`).
+    pub fn directions(&self) -> Option<Vec<Vec<f64>>> {
+        vectors(self.field("space directions")?)
+    }
+
+    /// Position in space of the first sample (`space origin`).
+    pub fn origin(&self) -> Option<Vec<f64>> {
+        vectors(self.field("space origin")?)?.into_iter().next()
+    }
+
+    /// Metadata of a part of the volume: every `step`-th sample along each axis, from sample `start` (x, y, z) on.
+    ///
+    /// `spacings` and `space directions` grow by `step`, `space origin` moves to the first sample of the part.
+    /// Left out are `axis mins` and `axis maxs`, and an origin that no directions tell how to move. For all samples
+    /// from the first, nothing changes.
+    #[must_use]
+    pub fn of_part(&self, start: [u64; 3], step: u64) -> Self {
+        let mut part = self.clone();
+        if start == [0; 3] && step == 1 {
+            return part;
+        }
+        part.lines.retain_mut(|line| {
+            let HeaderLine::Field { name, value } = line else { return true };
+            let is = |wanted| is_same_name(name, wanted);
+            if is("spacings") || is("space directions") {
+                *value = scaled(value, step);
+            } else if is("space origin") && start != [0; 3] {
+                let Some(moved) = self.origin_of_part(start) else { return false };
+                *value = moved;
+            }
+            !is("axis mins") && !is("axis maxs")
+        });
+        part
+    }
+
+    fn origin_of_part(&self, start: [u64; 3]) -> Option<String> {
+        let mut origin = self.origin()?;
+        for (steps, direction) in start.into_iter().zip(self.directions()?) {
+            for (position, part) in origin.iter_mut().zip(direction) {
+                *position += steps as f64 * part;
+            }
+        }
+        let texts: Vec<String> = origin.iter().map(f64::to_string).collect();
+        Some(format!("({})", texts.join(",")))
+    }
+}
+
+/// Multiplies every number in a list or in vectors; everything between them stays.
+fn scaled(text: &str, factor: u64) -> String {
+    let parts = text.split_inclusive(['(', ')', ',', ' ', '\t']).map(|part| {
+        let word = part.trim_end_matches(['(', ')', ',', ' ', '\t']);
+        let value = number(word).map(|value| (value * factor as f64).to_string());
+        value.unwrap_or_else(|| word.to_owned()) + &part[word.len()..]
+    });
+    parts.collect()
+}
+
+/// Whether two names of NRRD fields are the same: neither case nor spaces count.
+pub(super) fn is_same_name(one: &str, other: &str) -> bool {
+    letters(one).eq(letters(other))
+}
+
+fn letters(name: &str) -> impl Iterator<Item = u8> {
+    name.bytes().filter(|byte| *byte != b' ').map(|byte| byte.to_ascii_lowercase())
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Reads `(1,0,0) (0, 1, 0)`.
+fn vectors(text: &str) -> Option<Vec<Vec<f64>>> {
+    let text = text.trim().strip_prefix('(')?.strip_suffix(')')?;
+    text.split(')').map(|part| vector(part.trim_start().trim_start_matches('('))).collect()
+}
+
+fn vector(text: &str) -> Option<Vec<f64>> {
+    text.split(',').map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(lines: &[(&str, &str)]) -> Metadata {
+        let mut metadata = Metadata::plain(3, FileFormat::Nrrd);
+        metadata.lines = lines
+            .iter()
+            .map(|(name, value)| HeaderLine::Field { name: name.to_string(), value: value.to_string() })
+            .collect();
+        metadata
+    }
+
+    #[test]
+    fn spacing_comes_from_spacings_or_directions() {
+        assert_eq!(with(&[("Spacings", "3.2 3.2 1.5e0")]).spacing(), Some([3.2, 3.2, 1.5]));
+        let oriented = with(&[
+            ("SpaceDirections", "(3,4,0) (0, 2, 0) ( 0,0,-0.5 )"),
+            ("space origin", "(-1.5,2,1e3)"),
+            ("content", "head"),
+        ]);
+        assert_eq!(oriented.spacing(), Some([5.0, 2.0, 0.5]));
+        assert_eq!(oriented.origin(), Some(vec![-1.5, 2.0, 1000.0]));
+        assert_eq!(oriented.directions().unwrap()[2], [0.0, 0.0, -0.5]);
+        assert_eq!(oriented.name(), Some("head"));
+        let mut slice = with(&[("spacings", "2 3")]);
+        slice.rank = 2;
+        assert_eq!(slice.spacing(), Some([2.0, 3.0, 1.0]));
+    }
+
+    #[test]
+    fn what_is_no_spacing_is_none() {
+        for text in ["", "1 2", "1 2 3 4", "1 2 nan", "1 2 inf", "1 2 0", "1 2 -1", "1 2 x"] {
+            assert_eq!(with(&[("spacings", text)]).spacing(), None, "{text}");
+        }
+        for text in ["", "none", "(1,0,0) none (0,0,1)", "(1,0,0", "1,0,0", "()", "(1,,0)", "(1,0,0) (0,1,0)"]
+        {
+            assert_eq!(with(&[("space directions", text)]).spacing(), None, "{text}");
+        }
+        assert_eq!(Metadata::plain(3, FileFormat::Raw).spacing(), None);
+    }
+
+    #[test]
+    fn a_part_has_its_own_place_and_spacing() {
+        let whole = with(&[
+            ("spacings", "0.5 nan  2"),
+            ("space directions", "(3.25,0, 0) none (0,0,1e-3)"),
+            ("axis mins", "0 0 0"),
+            ("content", "4 slices"),
+        ]);
+        let part = with(&[
+            ("spacings", "2 nan  8"),
+            ("space directions", "(13,0, 0) none (0,0,0.004)"),
+            ("content", "4 slices"),
+        ]);
+        assert_eq!(whole.of_part([0; 3], 4), part);
+        assert_eq!(whole.of_part([0; 3], 1), whole);
+
+        let directions = ("space directions", "(2,0,0) (0,0,3) (0.5,0,0)");
+        let whole = with(&[directions, ("space origin", "(-1,0.25,7)")]);
+        assert_eq!(whole.of_part([1, 2, 3], 1), with(&[directions, ("space origin", "(2.5,0.25,13)")]));
+        let whole = with(&[("space origin", "(-1,0.25,7)")]);
+        assert_eq!(whole.of_part([1, 2, 3], 1), with(&[]));
+        assert_eq!(whole.of_part([0, 0, 0], 2), whole);
+    }
+
+    #[test]
+    fn the_last_of_equal_keys_counts() {
+        let mut metadata = with(&[]);
+        for value in ["1", "2"] {
+            metadata.lines.push(HeaderLine::KeyValue { key: "k".into(), value: value.into() });
+        }
+        assert_eq!(metadata.key_value("k"), Some("2"));
+        assert_eq!(metadata.key_value("K"), None);
+    }
+
+    #[test]
+    fn metadata_survive_postcard() {
+        let mut metadata = with(&[("spacings", "1 2 3")]);
+        metadata.lines.push(HeaderLine::Comment(" Größe".into()));
+        metadata.lines.push(HeaderLine::KeyValue { key: "a".into(), value: "b\nc".into() });
+        let bytes = postcard::to_allocvec(&metadata).unwrap();
+        assert_eq!(postcard::from_bytes::<Metadata>(&bytes), Ok(metadata));
+    }
+}

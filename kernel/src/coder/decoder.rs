@@ -1,0 +1,88 @@
+//! The decoding direction of the arithmetic coder.
+
+use super::encoder::{MIN_RANGE, RAW_BITS};
+use super::model::Probability;
+use super::{BinaryCoder, low_bits};
+
+/// Bytes of a codeword that the decoder holds at a time, and so reads ahead.
+const WINDOW: usize = 4;
+
+/// Reads one codeword; beyond its last byte it reads zeros.
+#[derive(Debug)]
+pub(crate) struct Decoder<'a> {
+    bytes: &'a [u8],
+    /// Bytes taken, zeros beyond the end included.
+    taken: usize,
+    /// The codeword less the encoder's `low`, always below `range`.
+    code: u32,
+    range: u32,
+}
+
+impl<'a> Decoder<'a> {
+    /// Starts on a codeword. `None` if no encoder ends one like this: with a zero byte, or at 1 - 2^-32 and above.
+    pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
+        let mut decoder = Self { bytes, taken: 0, code: 0, range: u32::MAX };
+        for _ in 0..WINDOW {
+            decoder.take();
+        }
+        (bytes.last() != Some(&0) && decoder.code < decoder.range).then_some(decoder)
+    }
+
+    /// Whether an encoder that made these decisions would have written a codeword of this length: it writes as many
+    /// bytes as were shifted out, and at most one more.
+    pub(crate) const fn is_consumed(&self) -> bool {
+        self.bytes.len() <= self.taken.wrapping_sub(WINDOW - 1)
+    }
+
+    #[inline(always)]
+    fn take(&mut self) {
+        let byte = self.bytes.get(self.taken).copied().unwrap_or(0);
+        self.taken = self.taken.wrapping_add(1);
+        self.code = (self.code << 8) | u32::from(byte);
+    }
+
+    #[inline(always)]
+    fn renormalize(&mut self) {
+        while self.range < MIN_RANGE {
+            self.take();
+            self.range <<= 8;
+        }
+    }
+}
+
+impl BinaryCoder for Decoder<'_> {
+    #[inline(always)]
+    fn decide(&mut self, _: bool, probability: &mut Probability) -> bool {
+        let split = (self.range >> 16).wrapping_mul(probability.of_false());
+        let bit = self.code >= split;
+        if bit {
+            self.code = self.code.wrapping_sub(split);
+            self.range = self.range.wrapping_sub(split);
+        } else {
+            self.range = split;
+        }
+        probability.learn(bit);
+        self.renormalize();
+        bit
+    }
+
+    #[inline(always)]
+    fn raw(&mut self, _: u32, count: u32) -> u32 {
+        let mut bits = 0_u32;
+        let mut left = count;
+        while left > 0 {
+            let now = left.min(RAW_BITS);
+            left = left.wrapping_sub(now);
+            let largest = low_bits(now);
+            let unit = self.range >> now;
+            // Rounding leaves the rest of the interval to the largest value.
+            let part = self.code.checked_div(unit).unwrap_or(0).min(largest);
+            let below = unit.wrapping_mul(part);
+            self.code = self.code.wrapping_sub(below);
+            self.range = if part == largest { self.range.wrapping_sub(below) } else { unit };
+            bits = (bits << now) | part;
+            self.renormalize();
+        }
+        bits
+    }
+}

@@ -1,0 +1,143 @@
+//! The magnitudes coded last in a subband, in scratch.
+
+use core::cell::Cell;
+
+use super::context::Around;
+use crate::transform::Plan;
+
+/// Columns and rows of zeros kept around the magnitudes.
+const MARGIN: usize = 2;
+
+/// Rows that a subband of one plane keeps: two above, the current one, one below.
+const FLAT_ROWS: usize = 4;
+
+/// `i32`s of scratch that coding takes for the largest subband of `plan`: a history and a row of hints.
+pub(crate) const fn history_len(plan: &Plan) -> usize {
+    let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
+    let [x, _, _] = largest;
+    magnitudes_len(largest).saturating_add(x)
+}
+
+const fn stride(x: usize) -> usize {
+    x.saturating_add(2 * MARGIN)
+}
+
+const fn magnitudes_len([x, y, z]: [usize; 3]) -> usize {
+    stride(x).saturating_mul(if z > 1 { y.saturating_add(MARGIN + 1) } else { FLAT_ROWS })
+}
+
+/// One plane of magnitudes within a margin of zeros.
+///
+/// Up to the current coefficient they are those of the current plane, from there on still those of the plane before.
+/// A subband of one plane keeps four rows only, and moves them up after each.
+#[derive(Debug)]
+pub(super) struct History<'a> {
+    magnitudes: &'a mut [i32],
+    stride: usize,
+    flat: bool,
+}
+
+impl<'a> History<'a> {
+    /// An empty history for a subband of `sides`, and a row of hints, both out of `scratch`.
+    pub(super) fn new(sides: [usize; 3], scratch: &'a mut [i32]) -> Option<(Self, &'a mut [i32])> {
+        let [x, _, z] = sides;
+        let (magnitudes, hints) = scratch.split_at_mut_checked(magnitudes_len(sides))?;
+        magnitudes.fill(0);
+        Some((Self { magnitudes, stride: stride(x), flat: z == 1 }, hints.get_mut(..x)?))
+    }
+
+    /// The rows around row `y` of the current plane.
+    pub(super) fn rows(&mut self, y: usize) -> Option<Rows<'_>> {
+        let above = if self.flat { 0 } else { y.wrapping_mul(self.stride) };
+        let (north_north, rest) = self.magnitudes.get_mut(above..)?.split_at_mut_checked(self.stride)?;
+        let (north, rest) = rest.split_at_mut_checked(self.stride)?;
+        let (here, rest) = rest.split_at_mut_checked(self.stride)?;
+        let south = rest.get(..self.stride)?;
+        Some(Rows { north_north, north, here: Cell::from_mut(here).as_slice_of_cells(), south })
+    }
+
+    /// Makes room for the next row.
+    pub(super) fn end_row(&mut self) {
+        if !self.flat {
+            return;
+        }
+        self.magnitudes.copy_within(self.stride.., 0);
+        let below = self.stride.wrapping_mul(MARGIN);
+        self.magnitudes.get_mut(below..).unwrap_or(&mut []).fill(0);
+    }
+}
+
+/// The rows of a [`History`] around the current one, margins included.
+#[derive(Debug)]
+pub(super) struct Rows<'a> {
+    north_north: &'a [i32],
+    north: &'a [i32],
+    here: &'a [Cell<i32>],
+    south: &'a [i32],
+}
+
+impl Rows<'_> {
+    /// For each coefficient of the row in turn: what is around it, and the place of its own magnitude.
+    pub(super) fn places(&self) -> impl Iterator<Item = (Around, &Cell<i32>)> {
+        let columns = self.north_north.iter().skip(MARGIN).zip(self.south.iter().skip(MARGIN));
+        let windows = self.north.array_windows::<5>().zip(self.here.array_windows::<5>());
+        windows.zip(columns).map(
+            |((&[_, north_west, north, north_east, _], here), (&north_north, &south))| {
+                let [west_west, west, place, east, _] = here;
+                let around = Around {
+                    west: west.get().cast_unsigned(),
+                    north: north.cast_unsigned(),
+                    up: place.get().cast_unsigned(),
+                    north_west: north_west.cast_unsigned(),
+                    north_east: north_east.cast_unsigned(),
+                    up_east: east.get().cast_unsigned(),
+                    up_south: south.cast_unsigned(),
+                    west_west: west_west.get().cast_unsigned(),
+                    north_north: north_north.cast_unsigned(),
+                };
+                (around, place)
+            },
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Extent, Wavelet};
+
+    #[test]
+    fn a_brick_keeps_the_plane_before() {
+        let plan = Plan::new(Wavelet::Haar, Extent::brick(2, 2, 2).unwrap(), 0).unwrap();
+        let mut scratch = [0; 64];
+        let (mut history, _) = History::new([2, 2, 2], &mut scratch[..history_len(&plan)]).unwrap();
+        let mut next = 1;
+        for y in [0, 1, 0] {
+            for (_, place) in history.rows(y).unwrap().places() {
+                place.set(next);
+                next += 1;
+            }
+            history.end_row();
+        }
+        // Plane 0 holds 1 2 / 3 4; row 0 of plane 1 holds 5 6.
+        let rows = history.rows(1).unwrap();
+        let (first, _) = rows.places().next().unwrap();
+        assert_eq!([first.north, first.north_east, first.up, first.up_east, first.up_south], [5, 6, 3, 4, 0]);
+        let (last, _) = rows.places().nth(1).unwrap();
+        assert_eq!([last.west, last.north_west, last.north, last.up], [3, 5, 6, 4]);
+    }
+
+    #[test]
+    fn a_slice_keeps_two_rows() {
+        let mut scratch = [0; 64];
+        let (mut history, _) = History::new([3, 9, 1], &mut scratch).unwrap();
+        for (row, magnitude) in [(1, 1), (2, 2), (3, 3)] {
+            history.rows(row).unwrap().places().for_each(|(_, place)| place.set(magnitude));
+            history.end_row();
+        }
+        let rows = history.rows(3).unwrap();
+        let (middle, _) = rows.places().nth(1).unwrap();
+        assert_eq!([middle.north, middle.north_north, middle.north_west], [3, 2, 3]);
+        assert_eq!([middle.up, middle.up_east, middle.up_south, middle.west], [0; 4]);
+    }
+}

@@ -1,0 +1,213 @@
+//! Prediction of the low-pass part (all of the samples where there is no transform) from the samples before.
+
+use crate::transform::{Plan, Subband};
+
+/// Samples around a place in a plane: west, north, and between them.
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    west: i32,
+    north: i32,
+    north_west: i32,
+}
+
+impl Corner {
+    /// Beyond the border stands the nearest sample there is, or else `fallback`.
+    #[inline(always)]
+    fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
+        let near_west = west.or(north).unwrap_or(fallback);
+        let near_north = north.unwrap_or(near_west);
+        let near_north_west = north_west.unwrap_or(if north.is_some() { near_north } else { near_west });
+        Self { west: near_west, north: near_north, north_west: near_north_west }
+    }
+
+    /// The value that the plane through the three takes: west + north - north-west.
+    fn plane(self) -> i32 {
+        self.west.wrapping_add(self.north).wrapping_sub(self.north_west)
+    }
+
+    /// The median of west, north and [`Corner::plane`] (the predictor of JPEG-LS).
+    fn median(self) -> i32 {
+        median(self.west, self.north, self.plane())
+    }
+
+    /// How each of the three changed since `other`.
+    fn change(self, other: Self) -> Self {
+        Self {
+            west: self.west.wrapping_sub(other.west),
+            north: self.north.wrapping_sub(other.north),
+            north_west: self.north_west.wrapping_sub(other.north_west),
+        }
+    }
+}
+
+fn median(a: i32, b: i32, c: i32) -> i32 {
+    a.max(b).min(a.min(b).max(c))
+}
+
+/// What is known before a sample of the low-pass part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Before {
+    here: Corner,
+    /// The sample at the same place of the plane before, and what is around that.
+    up: Option<(i32, Corner)>,
+}
+
+/// How the low-pass part is predicted. In its first plane every predictor is [`Predictor::InPlane`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) enum Predictor {
+    /// The median of west, north and their plane.
+    InPlane,
+    /// The sample of the plane before.
+    Up,
+    /// The median of three planes: through west and north, west and up, north and up.
+    Planes,
+    /// Up, and the median of the changes since the plane before.
+    Change,
+    /// The mean of west, north and up, rounded down.
+    Mean,
+}
+
+impl Predictor {
+    pub(crate) const ALL: [Self; 5] = [Self::InPlane, Self::Up, Self::Planes, Self::Change, Self::Mean];
+
+    /// The number of this predictor in a codestream.
+    pub(crate) const fn code(self) -> u8 {
+        match self {
+            Self::InPlane => 0,
+            Self::Up => 1,
+            Self::Planes => 2,
+            Self::Change => 3,
+            Self::Mean => 4,
+        }
+    }
+
+    /// The predictor of that number, if there is one.
+    pub(crate) fn from_code(code: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|predictor| predictor.code() == code)
+    }
+
+    /// The value expected after what is `before`.
+    #[inline(always)]
+    pub(super) fn predict(self, before: Before) -> i32 {
+        let here = before.here;
+        let Some((up, above)) = before.up else { return here.median() };
+        match self {
+            Self::InPlane => here.median(),
+            Self::Up => up,
+            Self::Planes => median(
+                here.plane(),
+                Corner { north: up, north_west: above.west, ..here }.plane(),
+                Corner { west: up, north_west: above.north, ..here }.plane(),
+            ),
+            Self::Change => up.wrapping_add(here.change(above).median()),
+            Self::Mean => here.west.wrapping_add(here.north).wrapping_add(up).div_euclid(3),
+        }
+    }
+
+    /// The predictor that leaves the smallest sum of magnitudes in the low-pass part of `coefficients`.
+    pub(super) fn best(plan: &Plan, coefficients: &[i32]) -> Self {
+        let cost = |predictor: &Self| predictor.cost(plan, coefficients).unwrap_or(u64::MAX);
+        Self::ALL.into_iter().min_by_key(cost).unwrap_or(Self::InPlane)
+    }
+
+    fn cost(self, plan: &Plan, coefficients: &[i32]) -> Option<u64> {
+        let low_pass = plan.subbands(0).next()?;
+        let mut cost = 0_u64;
+        for [y, z] in low_pass.rows() {
+            let start = low_pass.row(plan, y, z);
+            let (before, row) = coefficients.split_at_checked(start)?;
+            let before = RowsBefore::new(plan, low_pass, [y, z], before);
+            let mut west = None;
+            for (x, &value) in row.iter().take(low_pass.sides[0]).enumerate() {
+                let residual = value.wrapping_sub(self.predict(before.at(x, west)));
+                cost = cost.wrapping_add(u64::from(residual.unsigned_abs()));
+                west = Some(value);
+            }
+        }
+        Some(cost)
+    }
+}
+
+/// The rows before a row of the low-pass part; empty where there is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowsBefore<'a> {
+    north: &'a [i32],
+    up: &'a [i32],
+    up_north: &'a [i32],
+}
+
+impl<'a> RowsBefore<'a> {
+    /// Those of row `y` of plane `z`, among the coefficients of `plan` that lie `before` it.
+    pub(super) fn new(plan: &Plan, low_pass: Subband, [y, z]: [usize; 2], before: &'a [i32]) -> Self {
+        let row = |y: Option<usize>, z: Option<usize>| {
+            let start = low_pass.row(plan, y?, z?);
+            before.get(start..start.wrapping_add(low_pass.sides[0]))
+        };
+        let (north, up) = (y.checked_sub(1), z.checked_sub(1));
+        Self {
+            north: row(north, Some(z)).unwrap_or(&[]),
+            up: row(Some(y), up).unwrap_or(&[]),
+            up_north: row(north, up).unwrap_or(&[]),
+        }
+    }
+
+    /// What is known before the sample at `x`, given the one `west` of it.
+    #[inline(always)]
+    pub(super) fn at(&self, x: usize, west: Option<i32>) -> Before {
+        let left = x.wrapping_sub(1);
+        let get = |row: &[i32], x: usize| row.get(x).copied();
+        let up = get(self.up, x);
+        let here = Corner::new(west, get(self.north, x), get(self.north, left), up.unwrap_or(0));
+        let above =
+            |up| (up, Corner::new(get(self.up, left), get(self.up_north, x), get(self.up_north, left), up));
+        Before { here, up: up.map(above) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Extent, Wavelet};
+
+    fn before(plane: [i32; 3], up: i32, above: [i32; 3]) -> Before {
+        let corner = |[west, north, north_west]: [i32; 3]| Corner { west, north, north_west };
+        Before { here: corner(plane), up: Some((up, corner(above))) }
+    }
+
+    #[test]
+    fn predictors_by_hand() {
+        let before = before([10, 20, 12], 30, [13, 22, 14]);
+        assert_eq!(Predictor::InPlane.predict(before), 18);
+        assert_eq!(Predictor::Up.predict(before), 30);
+        // Planes 10+20-12 = 18, 10+30-13 = 27, 20+30-22 = 28.
+        assert_eq!(Predictor::Planes.predict(before), 27);
+        // Changes -3, -2 and -2: their plane is -3.
+        assert_eq!(Predictor::Change.predict(before), 27);
+        assert_eq!(Predictor::Mean.predict(before), 20);
+    }
+
+    #[test]
+    fn borders_take_the_nearest_sample() {
+        let plan = Plan::new(Wavelet::Haar, Extent::brick(2, 2, 2).unwrap(), 0).unwrap();
+        let samples = [1, 2, 3, 4, 5, 6, 7, 8];
+        let low_pass = plan.subbands(0).next().unwrap();
+        let at = |x, y, z, west| RowsBefore::new(&plan, low_pass, [y, z], &samples).at(x, west);
+        let triple = |corner: Corner| [corner.west, corner.north, corner.north_west];
+        assert_eq!(triple(at(0, 0, 0, None).here), [0, 0, 0]);
+        assert_eq!(triple(at(1, 0, 0, Some(1)).here), [1, 1, 1]);
+        assert_eq!(triple(at(0, 1, 0, None).here), [1, 1, 1]);
+        let first_up = at(0, 0, 1, None);
+        assert_eq!(triple(first_up.here), [1, 1, 1]);
+        assert_eq!(first_up.up.map(|(up, above)| (up, triple(above))), Some((1, [1, 1, 1])));
+        let last = at(1, 1, 1, Some(7));
+        assert_eq!(triple(last.here), [7, 6, 5]);
+        assert_eq!(last.up.map(|(up, above)| (up, triple(above))), Some((4, [3, 2, 1])));
+    }
+
+    #[test]
+    fn ramps_are_predicted_exactly() {
+        let plan = Plan::new(Wavelet::Haar, Extent::slice(4, 2).unwrap(), 0).unwrap();
+        assert_eq!(Predictor::InPlane.cost(&plan, &[0, 1, 2, 3, 0, 1, 2, 3]), Some(3));
+    }
+}

@@ -1,0 +1,52 @@
+#![doc = include_str!("../README.md")]
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(
+    missing_docs,
+    clippy::alloc_instead_of_core,
+    clippy::arithmetic_side_effects,
+    clippy::as_conversions,
+    clippy::expect_used,
+    clippy::float_arithmetic,
+    clippy::indexing_slicing,
+    clippy::large_stack_arrays,
+    clippy::large_stack_frames,
+    clippy::large_types_passed_by_value,
+    clippy::missing_errors_doc,
+    clippy::missing_panics_doc,
+    clippy::panic,
+    clippy::std_instead_of_core,
+    clippy::string_slice,
+    clippy::unreachable,
+    clippy::unwrap_used
+)]
+#![cfg_attr(
+    test,
+    expect(
+        clippy::arithmetic_side_effects,
+        clippy::indexing_slicing,
+        clippy::unwrap_used,
+        reason = "a test may fail by panicking"
+    )
+)]
+
+mod coder;
+pub mod codestream;
+mod error;
+mod extent;
+#[cfg(feature = "embedded-io")]
+pub mod io;
+pub mod lifting;
+pub mod metric;
+#[cfg(feature = "serde")]
+pub mod record;
+mod sample;
+pub mod stencil;
+pub mod transform;
+
+pub use codestream::{Codec, Header, max_encoded_len};
+pub use error::{DecodeError, EncodeError, LengthError, Malformed, PlanError, Slice};
+pub use extent::Extent;
+pub use lifting::Wavelet;
+pub use sample::SampleType;
+pub use transform::Plan;

@@ -1,0 +1,12 @@
+//! psi_1, the linear B-spline wavelet (Diss eq. 4.5, Table 3.3): the reversible 5/3 transform of JPEG 2000.
+
+use core::num::Wrapping as W;
+
+use super::step::{Step, nearest, step};
+
+pub(super) const STEPS: [Step; 2] = [
+    // w-lift(-1/2, 1)
+    step!(high += |c, next| nearest::<2>(W(-1) * (c + next))),
+    // s-lift(1/4, 1)
+    step!(low += |left, d| nearest::<4>(left + d)),
+];

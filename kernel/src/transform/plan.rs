@@ -1,0 +1,120 @@
+//! A transform that is known to be possible.
+
+use super::lift::{Direction, LANES, Part};
+use crate::error::{at_least, exactly};
+use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
+
+/// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only
+/// lent memory of the wrong length can still fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Plan {
+    wavelet: Wavelet,
+    extent: Extent,
+    levels: u8,
+}
+
+impl Plan {
+    /// Plans `levels` levels of `wavelet` over `extent`; 0 levels mean no transform.
+    ///
+    /// # Errors
+    /// [`PlanError::TooManyLevels`] with the most that the extent allows.
+    pub const fn new(wavelet: Wavelet, extent: Extent, levels: u8) -> Result<Self, PlanError> {
+        let max = extent.max_levels();
+        if levels > max {
+            return Err(PlanError::TooManyLevels { max });
+        }
+        Ok(Self { wavelet, extent, levels })
+    }
+
+    /// The wavelet; of no meaning with 0 levels.
+    #[must_use]
+    pub const fn wavelet(&self) -> Wavelet {
+        self.wavelet
+    }
+
+    /// Samples per axis.
+    #[must_use]
+    pub const fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// How often the low-pass part is transformed again.
+    #[must_use]
+    pub const fn levels(&self) -> u8 {
+        self.levels
+    }
+
+    /// The plan of what is left after the `level` finest levels; `level` is at most [`Plan::levels`].
+    #[must_use]
+    pub const fn coarsened(&self, level: u8) -> Self {
+        Self {
+            wavelet: self.wavelet,
+            extent: self.extent.coarsened(level),
+            levels: self.levels.saturating_sub(level),
+        }
+    }
+
+    /// `i32`s of scratch that the transform, the encoder and the decoder need for this plan.
+    ///
+    /// A transform takes one line along x, or up to 16 lines side by side along y and z; the coder takes the
+    /// magnitudes of one plane (brick) or of four rows (slice, line) of the largest subband.
+    #[must_use]
+    pub const fn scratch_len(&self) -> usize {
+        let coder = crate::coder::history_len(self);
+        let transform = self.transform_scratch_len();
+        if coder > transform { coder } else { transform }
+    }
+
+    /// Transforms `samples` (x fastest, `extent().samples()` of them) into coefficients in Mallat order.
+    ///
+    /// Lossless for every `i32`: sums wrap. Takes one pass over the data per level and axis.
+    ///
+    /// # Errors
+    /// [`LengthError`] if `samples` is not exactly the extent or `scratch` is shorter than
+    /// [`Plan::scratch_len`]; nothing is written then.
+    pub fn forward(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
+        self.check(samples, scratch)?;
+        for level in 0..self.levels {
+            for axis in 0..3 {
+                self.lift(level, axis, Direction::Forward, samples, scratch);
+            }
+        }
+        Ok(())
+    }
+
+    /// Undoes [`Plan::forward`].
+    ///
+    /// # Errors
+    /// As [`Plan::forward`].
+    pub fn inverse(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
+        self.check(samples, scratch)?;
+        for level in (0..self.levels).rev() {
+            for axis in (0..3).rev() {
+                self.lift(level, axis, Direction::Inverse, samples, scratch);
+            }
+        }
+        Ok(())
+    }
+
+    fn check(&self, samples: &[i32], scratch: &[i32]) -> Result<(), LengthError> {
+        exactly(Slice::Samples, self.extent.samples(), samples.len())?;
+        at_least(Slice::Scratch, self.scratch_len(), scratch.len())
+    }
+
+    fn lift(&self, level: u8, axis: u8, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
+        let part = Part { part: self.extent.coarsened(level).sides(), sides: self.extent.sides() };
+        part.lift(axis, self.wavelet, direction, (samples, scratch));
+    }
+
+    const fn transform_scratch_len(&self) -> usize {
+        if self.levels == 0 {
+            return 0;
+        }
+        let [x, y, z] = self.extent.sides();
+        let longest = if y > z { y } else { z };
+        let lanes = if x < LANES { x } else { LANES };
+        let columns = if longest > 1 { longest.saturating_mul(lanes) } else { 0 };
+        if x > columns { x } else { columns }
+    }
+}

@@ -1,0 +1,86 @@
+//! Every chore of the project: `cargo xtask help`.
+//!
+//! The chores depend on no package of the workspace, so that they build, and say what is wrong, while one
+//! of the packages does not compile. What needs the kernel (`vectors`, `bench`) is a program of the
+//! `conformance` package, started from here.
+
+mod bench;
+mod ci;
+mod doc;
+mod fmt;
+mod lint;
+mod matrix;
+mod shell;
+mod test;
+mod tidy;
+mod vectors;
+mod workspace;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Every chore of the project", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// All checks in order; failures are listed at the end, with the time of each step
+    Ci,
+    /// Names, lengths, licences, placement of dependencies, the recorded hash of the header
+    Tidy,
+    /// Check the formatting of every package
+    Fmt {
+        /// Format instead of checking
+        #[arg(long)]
+        fix: bool,
+    },
+    /// Clippy on all targets: each package alone, all together, the kernel with each feature set
+    Lint,
+    /// cargo test for each package, the kernel with no features and with all
+    Test,
+    /// Build the kernel for every target of its table, with no features, each alone, and all
+    Matrix {
+        /// Print the targets, one a line, and build nothing
+        #[arg(long)]
+        list_targets: bool,
+    },
+    /// rustdoc of every package; warnings are errors
+    Doc,
+    /// Golden data: check | add ID… | replace ID --because WHY
+    Vectors {
+        /// Passed on; `cargo xtask vectors --help` explains them
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Speed of lifting, encoding and decoding, with rival codecs where Python has them
+    Bench,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    if let Err(error) = std::env::set_current_dir(workspace::root()) {
+        eprintln!("cannot enter {}: {error}", workspace::root().display());
+        return ExitCode::FAILURE;
+    }
+    let failures = match arguments.command {
+        Command::Ci => return ci::run(),
+        Command::Tidy => tidy::run(),
+        Command::Fmt { fix } => fmt::run(fix),
+        Command::Lint => lint::run(),
+        Command::Test => test::run(),
+        Command::Matrix { list_targets: true } => matrix::list_targets(),
+        Command::Matrix { list_targets: false } => matrix::run(),
+        Command::Doc => doc::run(),
+        Command::Vectors { arguments } => vectors::run(&arguments),
+        Command::Bench => bench::run(),
+    };
+    for failure in &failures {
+        eprintln!("failed: {failure}");
+    }
+    if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
