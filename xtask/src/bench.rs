@@ -13,8 +13,8 @@ pub(crate) fn run() -> Failures {
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     if output(&python, &["-c", "import imagecodecs, numpy"]).is_err() {
         println!("\nNo rivals measured: {python} has no imagecodecs. To have them in the table:");
-        println!("    python3 -m venv venv && venv/bin/pip install imagecodecs");
-        println!("    PYTHON=venv/bin/python cargo xtask bench");
+        println!("    python3 -m venv target/venv && target/venv/bin/pip install imagecodecs");
+        println!("    PYTHON=target/venv/bin/python cargo xtask bench");
         return vec![];
     }
     match Command::new(&python).arg("xtask/rivals.py").stdin(Stdio::null()).status() {

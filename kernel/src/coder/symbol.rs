@@ -95,10 +95,11 @@ mod tests {
 
     #[test]
     fn every_magnitude_comes_back() {
-        let values =
-            (0..32).flat_map(|e| [1_i64 << e, (1 << e) - 1, (1 << e) + 1, 3 << e, -(1 << e), 1 - (1 << e)]);
-        let values: heapless::Vec<i32, 256> = values.map(|v| v as i32).collect();
-        let (mut models, mut bytes) = (Models::NEW, [0; 2048]);
+        let powers = (0..32).map(|exponent| 1_i32 << exponent);
+        let values = powers
+            .flat_map(|p| [p, p.wrapping_sub(1), p.wrapping_add(1), p.wrapping_mul(3), p.wrapping_neg()]);
+        let values: heapless::Vec<i32, 160> = values.collect();
+        let (mut models, mut bytes) = (Models::NEW, [0; 1000]);
         let mut encoder = Encoder::new(&mut bytes);
         for (i, &value) in values.iter().enumerate() {
             models.code(&mut encoder, i % CLASSES, value);
