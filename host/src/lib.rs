@@ -1,4 +1,5 @@
 //! Host.
 
 pub mod atomic;
+pub mod codec;
 pub mod volume;

@@ -29,14 +29,18 @@ pub enum Slice {
     Samples,
     /// Working memory.
     Scratch,
-    /// Scaling coefficients of a line, or values of the vertices updated last.
+    /// Scaling coefficients of a line.
     Low,
     /// Wavelet coefficients of a line.
     High,
-    /// Control points of a mesh.
-    Points,
+    /// Vertices of a mesh that a lift updates from all others: v in an s-lift, f in a w-lift.
+    Corners,
+    /// Vertices of a mesh in the middle of edges: e.
+    Edges,
+    /// Vertices of a mesh that a lift reads only: f in an s-lift, v in a w-lift.
+    Centres,
     /// Index lists of a mesh.
-    Neighbours,
+    Lists,
 }
 
 /// A lent slice has the wrong length. Nothing was written.
@@ -115,6 +119,53 @@ pub enum Malformed {
     Sample,
 }
 
+/// Why a generalized lift of a line ([`lifting::generalized`](crate::lifting::generalized)) or of a mesh
+/// ([`stencil`](crate::stencil)) was not done. Nothing has changed then.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum LiftError {
+    /// Lent memory has the wrong length.
+    Length(LengthError),
+    /// A result does not fit an `i32`.
+    Overflow {
+        /// Where.
+        slice: Slice,
+        /// Position of the first such result.
+        index: usize,
+    },
+    /// An inverse met a value that the forward lift cannot have made.
+    NotDivisible {
+        /// Where.
+        slice: Slice,
+        /// Position of the first such value.
+        index: usize,
+    },
+}
+
+/// Why index lists are not an [`Adjacency`](crate::stencil::Adjacency).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum AdjacencyError {
+    /// The offsets do not begin with 0, decrease, or do not end with the number of indices.
+    Offset {
+        /// Position of the first offset that is wrong; 0 if there are none.
+        position: usize,
+    },
+    /// An index names no neighbour.
+    Index {
+        /// Position of the first such index.
+        position: usize,
+    },
+}
+
+impl From<LengthError> for LiftError {
+    fn from(error: LengthError) -> Self {
+        Self::Length(error)
+    }
+}
+
 impl From<LengthError> for EncodeError {
     fn from(error: LengthError) -> Self {
         Self::Length(error)
@@ -143,17 +194,45 @@ impl fmt::Display for PlanError {
     }
 }
 
+impl fmt::Display for Slice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Samples => "samples",
+            Self::Scratch => "scratch",
+            Self::Low => "scaling coefficients",
+            Self::High => "wavelet coefficients",
+            Self::Corners => "corners",
+            Self::Edges => "edges",
+            Self::Centres => "centres",
+            Self::Lists => "neighbour lists",
+        })
+    }
+}
+
 impl fmt::Display for LengthError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let slice = match self.slice {
-            Slice::Samples => "samples",
-            Slice::Scratch => "scratch",
-            Slice::Low => "scaling coefficients",
-            Slice::High => "wavelet coefficients",
-            Slice::Points => "points",
-            Slice::Neighbours => "neighbours",
-        };
-        write!(f, "{slice}: {} elements needed, {} lent", self.expected, self.actual)
+        write!(f, "{}: {} elements needed, {} lent", self.slice, self.expected, self.actual)
+    }
+}
+
+impl fmt::Display for LiftError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length(error) => error.fmt(f),
+            Self::Overflow { slice, index } => write!(f, "{slice}: result {index} does not fit 32 bits"),
+            Self::NotDivisible { slice, index } => write!(f, "{slice}: value {index} is not a lifted one"),
+        }
+    }
+}
+
+impl fmt::Display for AdjacencyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Offset { position } => write!(f, "offset {position} of the neighbour lists is wrong"),
+            Self::Index { position } => {
+                write!(f, "index {position} of the neighbour lists names no neighbour")
+            }
+        }
     }
 }
 
@@ -197,6 +276,8 @@ impl fmt::Display for Malformed {
 
 impl core::error::Error for PlanError {}
 impl core::error::Error for LengthError {}
+impl core::error::Error for LiftError {}
+impl core::error::Error for AdjacencyError {}
 impl core::error::Error for EncodeError {}
 impl core::error::Error for DecodeError {}
 impl core::error::Error for Malformed {}

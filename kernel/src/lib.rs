@@ -45,7 +45,9 @@ pub mod stencil;
 pub mod transform;
 
 pub use codestream::{Codec, Header, max_encoded_len};
-pub use error::{DecodeError, EncodeError, LengthError, Malformed, PlanError, Slice};
+pub use error::{
+    AdjacencyError, DecodeError, EncodeError, LengthError, LiftError, Malformed, PlanError, Slice,
+};
 pub use extent::Extent;
 pub use lifting::Wavelet;
 pub use sample::SampleType;

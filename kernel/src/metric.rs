@@ -8,7 +8,7 @@
 #![expect(clippy::float_arithmetic, reason = "percentages and rates for people to read")]
 
 use fixed::types::{U48F16, U64F0, U128F0};
-use micromath::F32Ext as _;
+use micromath::F32Ext;
 
 use crate::error::exactly;
 use crate::{LengthError, Slice};
@@ -117,7 +117,7 @@ pub fn rms_error(a: &[i32], b: &[i32]) -> Result<f32, LengthError> {
 
 /// The square root of a positive number: micromath's is within some percent, and each of Heron's steps squares that.
 fn sqrt(x: f32) -> f32 {
-    (0..3).fold(x.sqrt(), |root, _| 0.5 * (root + x / root))
+    (0..3).fold(F32Ext::sqrt(x), |root, _| 0.5 * (root + x / root))
 }
 
 fn to_u64(n: usize) -> u64 {
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(measure(&mut values).code_bits(), 510.0);
     }
 
-    /// One deviant among 256: 8 + 255 log2(256 / 255) = 9.4398744… bits, a difference of numbers a hundred times as
+    /// One deviant among 256: 8 + 255 log2(256 / 255) = 9.4398736… bits, a difference of numbers a hundred times as
     /// large, in which an approximate logarithm would lose it.
     #[test]
     fn nearly_constant() {
@@ -227,8 +227,8 @@ mod tests {
 
     #[test]
     fn roots() {
-        for exponent in 0..16 {
-            for root in [1.0_f32, 1.1, 1.25, 1.5, 1.75, 1.99].map(|root| root * f32::powi(2.0, exponent)) {
+        for scale in [1.0, 2.0, 1e-3, 3e4, 5e8] {
+            for root in [1.0, 1.1, 1.25, 1.5, 1.75, 1.99].map(|root| root * scale) {
                 assert!((sqrt(root * root) / root - 1.0).abs() < 1e-6, "{root}");
             }
         }

@@ -1,5 +1,8 @@
 //! Conformance: what the tests of this package share.
 
+pub mod corrupt;
 pub mod inputs;
+pub mod lent;
 pub mod oracle;
+pub mod reference;
 pub mod vectors;

@@ -190,7 +190,7 @@ mod tests {
     fn names_lead_back_to_their_types() {
         for element in ElementType::ALL {
             assert_eq!(element.name().parse(), Ok(element));
-            assert_eq!(element.bytes() * 8, element.name()[1..].parse().unwrap());
+            assert_eq!(element.bytes() * 8, element.name()[1..].parse::<usize>().unwrap());
         }
         assert_eq!("little".parse(), Ok(ByteOrder::Little));
         assert_eq!("big".parse(), Ok(ByteOrder::Big));

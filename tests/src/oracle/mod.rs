@@ -1,6 +1,7 @@
 //! Plain, slow references, written from the text alone: they share no code with the kernel and no idea of how to
 //! make a transform fast, so that agreement with them means something.
 
+pub mod coder;
 pub mod lifting;
 pub mod noise;
 pub mod stencil;

@@ -1,0 +1,139 @@
+//! How a volume is cut into bricks.
+
+use serde::{Deserialize, Serialize};
+
+/// Samples of the bricks that volumes are cut into unless asked otherwise: 64 a side, or as many in a slice or line.
+const DEFAULT_BRICK_SAMPLES: u32 = 1 << 18;
+
+/// Samples that a brick may have at most: 2^27, half a GiB while it is coded.
+pub(super) const MAX_BRICK_SAMPLES: u64 = 1 << 27;
+
+/// A volume's extent and the sides of its bricks, x first.
+///
+/// Bricks are counted x fastest, then y, then z, from the first sample; those at the far ends hold what is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Samples of the volume along x, y, z.
+    pub extent: [u64; 3],
+    /// Samples of a brick along x, y, z.
+    pub sides: [u32; 3],
+}
+
+/// One brick of a [`Grid`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Brick {
+    /// Its first sample in the volume.
+    pub origin: [u64; 3],
+    /// Its samples along x, y, z.
+    pub sides: [u32; 3],
+}
+
+impl Grid {
+    /// Cuts `extent` into bricks of `sides`, none longer than the volume. `None` if an axis of either is 0 or
+    /// a brick would have more than 2^27 samples.
+    pub fn new(extent: [u64; 3], sides: [u32; 3]) -> Option<Self> {
+        let sides = per_axis(|axis| extent[axis].min(sides[axis].into()) as u32);
+        let grid = Self { extent, sides };
+        grid.is_sound().then_some(grid)
+    }
+
+    /// The sides of bricks unless asked otherwise: 64, but 512 by 512 for a slice and 2^18 for a line, so that
+    /// every brick has the same number of samples to learn from.
+    pub fn default_sides(extent: [u64; 3]) -> [u32; 3] {
+        match extent {
+            [_, 1, 1] => [DEFAULT_BRICK_SAMPLES, 1, 1],
+            [_, _, 1] => [DEFAULT_BRICK_SAMPLES.isqrt(), DEFAULT_BRICK_SAMPLES.isqrt(), 1],
+            _ => [64; 3],
+        }
+    }
+
+    /// Whether a grid that was read makes sense.
+    pub(super) fn is_sound(&self) -> bool {
+        let samples = self.sides.iter().try_fold(1_u64, |product, &side| product.checked_mul(side.into()));
+        let axes = self.extent.iter().zip(self.sides);
+        axes.into_iter().all(|(&extent, side)| side > 0 && u64::from(side) <= extent)
+            && samples.is_some_and(|samples| samples <= MAX_BRICK_SAMPLES)
+            && self.counts().into_iter().try_fold(1, u64::checked_mul).is_some()
+    }
+
+    /// Bricks along x, y, z.
+    pub fn counts(&self) -> [u64; 3] {
+        per_axis(|axis| self.extent[axis].div_ceil(self.sides[axis].into()))
+    }
+
+    /// Bricks in all.
+    pub fn bricks(&self) -> u64 {
+        self.counts().into_iter().product()
+    }
+
+    /// Samples in all; `None` if 64 bits do not count them.
+    pub fn samples(&self) -> Option<u64> {
+        self.extent.into_iter().try_fold(1, u64::checked_mul)
+    }
+
+    /// Brick number `index`, below [`Grid::bricks`].
+    pub fn brick(&self, index: u64) -> Brick {
+        let [across, down, _] = self.counts();
+        let place = [index % across, index / across % down, index / across / down];
+        let origin = per_axis(|axis| place[axis] * u64::from(self.sides[axis]));
+        let left = |axis: usize| self.extent[axis] - origin[axis];
+        Brick { origin, sides: per_axis(|axis| left(axis).min(self.sides[axis].into()) as u32) }
+    }
+
+    /// The numbers, in order, of the bricks that the samples `from .. to` of a region lie in.
+    pub fn bricks_in(&self, from: [u64; 3], to: [u64; 3]) -> impl Iterator<Item = u64> + use<> {
+        let [across, down, _] = self.counts();
+        let sides = self.sides.map(u64::from);
+        let range = move |axis: usize| from[axis] / sides[axis]..to[axis].div_ceil(sides[axis]);
+        range(2)
+            .flat_map(move |z| range(1).flat_map(move |y| range(0).map(move |x| (z * down + y) * across + x)))
+    }
+
+    /// The number of levels that can be read across brick borders: while every border stays on a sample, that is
+    /// while the sides of a brick, along each axis with more than one, are multiples of 2^level.
+    pub fn aligned_levels(&self) -> u8 {
+        let counts = self.counts();
+        let cut = (0..3).filter(|&axis| counts[axis] > 1);
+        cut.map(|axis| self.sides[axis].trailing_zeros() as u8).min().unwrap_or(u8::MAX)
+    }
+}
+
+/// An array of what `of` makes of axis 0, 1, 2.
+pub(super) fn per_axis<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    std::array::from_fn(of)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bricks_tile_the_volume() {
+        let grid = Grid::new([10, 7, 3], [4, 3, 2]).unwrap();
+        assert_eq!((grid.counts(), grid.bricks()), ([3, 3, 2], 18));
+        assert_eq!(grid.brick(0), Brick { origin: [0; 3], sides: [4, 3, 2] });
+        assert_eq!(grid.brick(17), Brick { origin: [8, 6, 2], sides: [2, 1, 1] });
+        let samples: u32 = (0..18).map(|i| grid.brick(i).sides.iter().product::<u32>()).sum();
+        assert_eq!(samples, 210);
+    }
+
+    #[test]
+    fn regions_meet_the_right_bricks() {
+        let grid = Grid::new([10, 7, 3], [4, 3, 2]).unwrap();
+        assert!(grid.bricks_in([4, 0, 0], [5, 1, 1]).eq([1]));
+        assert!(grid.bricks_in([3, 2, 1], [5, 4, 3]).eq([0, 1, 3, 4, 9, 10, 12, 13]));
+        assert!(grid.bricks_in([0; 3], [10, 7, 3]).eq(0..18));
+    }
+
+    #[test]
+    fn defaults_and_limits() {
+        assert_eq!(Grid::default_sides([9, 9, 9]), [64; 3]);
+        assert_eq!(Grid::default_sides([9, 9, 1]), [512, 512, 1]);
+        assert_eq!(Grid::new([9, 9, 1], [512, 512, 1]).unwrap().sides, [9, 9, 1]);
+        assert_eq!(Grid::new([1 << 40, 1, 1], [u32::MAX, 1, 1]), None);
+        assert_eq!(Grid::new([4, 4, 4], [0, 1, 1]), None);
+        assert_eq!(Grid::new([128, 64, 50], [64, 64, 64]).unwrap().aligned_levels(), 6);
+        assert_eq!(Grid::new([128, 64, 50], [24, 64, 64]).unwrap().aligned_levels(), 3);
+        assert_eq!(Grid::new([9, 9, 1], [9, 9, 1]).unwrap().aligned_levels(), u8::MAX);
+    }
+}

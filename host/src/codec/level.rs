@@ -1,0 +1,23 @@
+//! Coarse levels as samples: the low-pass part of a transform, brought back to the scale of the samples.
+
+use wavelift_kernel::{Plan, SampleType};
+
+/// Scales the low-pass part that `level` levels of `plan` made back to the samples' own scale, in place: rounded to
+/// the nearest (ties upwards) and kept within the type.
+///
+/// Every level multiplies a constant by the wavelet's gain once per axis that it splits.
+/// Samples of u32 are taken to be below 2^31 here; volumes with larger ones offer no levels.
+pub(super) fn rescale(plan: &Plan, level: u8, sample_type: SampleType, samples: &mut [i32]) {
+    let (numerator, denominator) = plan.wavelet().low_pass_gain();
+    let splits = |level| plan.extent().coarsened(level).axes().into_iter().filter(|&n| n > 1).count() as u32;
+    let times: u32 = (0..level.min(plan.levels())).map(splits).sum();
+    let (up, down) = (i128::from(denominator).pow(times.min(80)), i128::from(numerator).pow(times.min(80)));
+    let range = match sample_type {
+        SampleType::U32 => 0..=i32::MAX,
+        other => other.range(),
+    };
+    for sample in samples {
+        let scaled = (2 * i128::from(*sample) * up + down).div_euclid(2 * down);
+        *sample = scaled.clamp((*range.start()).into(), (*range.end()).into()) as i32;
+    }
+}

@@ -1,0 +1,34 @@
+//! Volumes to containers and back: bricks, coded on all cores, with checksums.
+//!
+//! A volume is cut into bricks ([`Grid`]); each becomes one or two codestreams of the kernel, which this crate
+//! never looks into. The file around them is described in `docs/container.md`.
+
+mod brick;
+mod choice;
+mod compress;
+mod container;
+mod error;
+mod grid;
+mod level;
+mod planes;
+mod read;
+#[cfg(test)]
+mod tests;
+
+pub use choice::{Choice, UnknownChoice};
+pub use compress::{CompressOptions, Report, compress};
+pub use container::{BrickEntry, Container, Index};
+pub use error::{CompressError, ContainerError};
+pub use grid::{Brick, Grid};
+pub use read::{Part, Region, RegionError};
+
+/// Told the number of samples done since it was last told, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+
+/// The error of threads that cannot be started, turned into what its caller reports.
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, std::io::Error> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .map_err(|error| std::io::Error::other(format!("cannot start threads: {error}")))
+}

@@ -1,0 +1,222 @@
+//! A container, or a part of it, to a volume; and checking without keeping.
+
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::str::FromStr;
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+
+use super::brick::{Worker, coarsened, scatter};
+use super::container::Container;
+use super::grid::per_axis;
+use super::{Brick, ContainerError, Progress, level, planes, pool};
+use crate::volume::{Volume, sample_bytes};
+
+/// A box of samples: `from` up to but without `to`, along x, y, z of the volume at full resolution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// The first sample.
+    pub from: [u64; 3],
+    /// One beyond the last.
+    pub to: [u64; 3],
+}
+
+impl fmt::Display for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = per_axis(|axis| format!("{}:{}", self.from[axis], self.to[axis]));
+        write!(f, "{x},{y},{z}")
+    }
+}
+
+/// A text that is not of the form `X0:X1,Y0:Y1,Z0:Z1`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{0}' is not a region: write X0:X1,Y0:Y1,Z0:Z1, each end beyond its beginning")]
+pub struct RegionError(String);
+
+impl FromStr for Region {
+    type Err = RegionError;
+
+    fn from_str(text: &str) -> Result<Self, RegionError> {
+        let range = |text: &str| -> Option<[u64; 2]> {
+            let (from, to) = text.split_once(':')?;
+            Some([from.trim().parse().ok()?, to.trim().parse().ok()?]).filter(|[from, to]| from < to)
+        };
+        let ranges: Option<Vec<[u64; 2]>> = text.split(',').map(range).collect();
+        let mut ranges =
+            ranges.filter(|ranges| ranges.len() <= 3).ok_or_else(|| RegionError(text.to_owned()))?;
+        ranges.resize(3, [0, 1]);
+        Ok(Self { from: per_axis(|axis| ranges[axis][0]), to: per_axis(|axis| ranges[axis][1]) })
+    }
+}
+
+/// Which samples of a volume are wanted. The default is all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Part {
+    /// 0 for full resolution; level L keeps every 2^L-th position along each axis, from the volume's first on.
+    pub level: u8,
+    /// The box, at full resolution; `None` for the whole volume.
+    pub region: Option<Region>,
+}
+
+/// A [`Part`] that is known to exist: samples `from .. to` of the level.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    level: u8,
+    from: [u64; 3],
+    to: [u64; 3],
+}
+
+impl Wanted {
+    fn extent(&self) -> [u64; 3] {
+        per_axis(|axis| self.to[axis] - self.from[axis])
+    }
+}
+
+impl Container {
+    /// Reads a part of the volume, on `threads` threads (`None`: one per core); bricks outside it are not touched.
+    ///
+    /// The samples of level L stand for the positions that are multiples of 2^L; of a region, those inside it.
+    ///
+    /// # Errors
+    /// [`ContainerError`]: a part that the volume does not have, a damaged brick, a file that cannot be read.
+    pub fn read(
+        &self,
+        part: &Part,
+        threads: Option<NonZeroUsize>,
+        progress: Progress<'_>,
+    ) -> Result<Volume, ContainerError> {
+        let index = self.index();
+        let wanted = self.check(part)?;
+        let extent = wanted.extent();
+        let bytes = sample_bytes(extent, index.element).unwrap_or(u64::MAX);
+        let mut samples = zeros(bytes).ok_or(ContainerError::OutOfMemory { bytes })?;
+        let start = wanted.from.map(|first| first << wanted.level);
+        let target = Mutex::new(&mut samples[..]);
+        let bricks: Vec<u64> = index
+            .grid
+            .bricks_in(start, per_axis(|axis| ((wanted.to[axis] - 1) << wanted.level) + 1))
+            .collect();
+        pool(threads.map(NonZeroUsize::get))?.install(|| {
+            bricks.into_par_iter().try_for_each_init(Worker::new, |worker, brick| {
+                self.read_into(worker, brick, &wanted, &target)?;
+                progress(self.samples_of(brick));
+                Ok::<_, ContainerError>(())
+            })
+        })?;
+        let metadata = index.metadata.of_part(start, 1 << wanted.level);
+        Ok(Volume { extent, element: index.element, samples, metadata })
+    }
+
+    /// Decodes every brick and compares both checksums. Calls `damaged` with each that is not whole, in any order.
+    ///
+    /// # Errors
+    /// [`ContainerError::Io`] if threads cannot be started.
+    pub fn verify(
+        &self,
+        threads: Option<NonZeroUsize>,
+        progress: Progress<'_>,
+        damaged: &(dyn Fn(ContainerError) + Sync),
+    ) -> Result<(), ContainerError> {
+        pool(threads.map(NonZeroUsize::get))?.install(|| {
+            (0..self.index().grid.bricks()).into_par_iter().for_each_init(Worker::new, |worker, brick| {
+                if let Err(error) = self.decode(worker, brick, 0) {
+                    damaged(error);
+                }
+                progress(self.samples_of(brick));
+            });
+        });
+        Ok(())
+    }
+
+    fn samples_of(&self, brick: u64) -> u64 {
+        self.index().grid.brick(brick).sides.into_iter().map(u64::from).product()
+    }
+
+    fn check(&self, part: &Part) -> Result<Wanted, ContainerError> {
+        let (index, level) = (self.index(), part.level);
+        let extent = index.grid.extent;
+        if level > index.readable_levels {
+            let why = match (index.readable_levels, index.wavelet) {
+                (0, None) => "it was compressed without a transform (--wavelet none)".to_owned(),
+                (0, Some(_)) => {
+                    "it has full resolution only, as its type or its bricks do not allow levels".to_owned()
+                }
+                (coarsest, _) => format!("its coarsest is {coarsest}"),
+            };
+            return Err(ContainerError::NoSuchLevel { asked: level, why });
+        }
+        let region = part.region.unwrap_or(Region { from: [0; 3], to: extent });
+        let first = |position: u64| position.div_ceil(1 << level);
+        let wanted = Wanted { level, from: region.from.map(first), to: region.to.map(first) };
+        if (0..3).any(|axis| region.to[axis] > extent[axis] || wanted.from[axis] >= wanted.to[axis]) {
+            return Err(ContainerError::NoSuchRegion { region, extent });
+        }
+        Ok(wanted)
+    }
+
+    /// Reads one brick and copies what is wanted of it to its place.
+    fn read_into(
+        &self,
+        worker: &mut Worker,
+        index: u64,
+        wanted: &Wanted,
+        target: &Mutex<&mut [u8]>,
+    ) -> Result<(), ContainerError> {
+        let element = self.index().element;
+        let brick = self.index().grid.brick(index);
+        let bytes = self.decode(worker, index, wanted.level)?;
+        let sides = coarsened(brick.sides, wanted.level);
+        let origin = brick.origin.map(|first| first >> wanted.level);
+        let range = |axis: usize| -> Range<usize> {
+            let end = (origin[axis] + sides[axis] as u64).min(wanted.to[axis]);
+            let start = origin[axis].max(wanted.from[axis]);
+            (start - origin[axis]) as usize..(end.max(start) - origin[axis]) as usize
+        };
+        let place = per_axis(|axis| (origin[axis].max(wanted.from[axis]) - wanted.from[axis]) as usize);
+        let extent = wanted.extent().map(|axis| axis as usize);
+        let mut target = target.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        scatter(&bytes, sides, per_axis(range), place, (&mut target, extent, element.bytes()));
+        Ok(())
+    }
+
+    /// Reads and decodes one brick; the result is little-endian samples of its level.
+    fn decode(&self, worker: &mut Worker, index: u64, level: u8) -> Result<Vec<u8>, ContainerError> {
+        let (grid, element) = (self.index().grid, self.index().element);
+        let entry = &self.index().bricks[index as usize];
+        let brick = grid.brick(index);
+        let codestreams = self.read_brick(index)?;
+        if crc32fast::hash(&codestreams) != entry.stored_crc {
+            return Err(damage(index, brick, "its bytes contradict their checksum"));
+        }
+        let mut decoded = worker
+            .decode(&codestreams, &entry.lengths, element, brick.sides, level)
+            .map_err(|cause| damage(index, brick, cause))?;
+        if level > 0 {
+            let sample_type = decoded.header.sample_type();
+            decoded
+                .planes
+                .iter_mut()
+                .for_each(|plane| level::rescale(&decoded.header.plan(), level, sample_type, plane));
+        }
+        let mut bytes = Vec::new();
+        planes::join(element, &decoded.planes, &mut bytes);
+        if level == 0 && crc32fast::hash(&bytes) != entry.samples_crc {
+            return Err(damage(index, brick, "its samples contradict their checksum"));
+        }
+        Ok(bytes)
+    }
+}
+
+/// Memory for `bytes` samples, not touched before they are written: a damaged file that promises more than it holds
+/// fails at its first brick. `None` if the system would not give that much.
+fn zeros(bytes: u64) -> Option<Vec<u8>> {
+    let len = usize::try_from(bytes).ok()?;
+    Vec::<u8>::new().try_reserve_exact(len).ok()?;
+    Some(vec![0; len])
+}
+
+fn damage(index: u64, brick: Brick, cause: impl Into<String>) -> ContainerError {
+    ContainerError::Brick { index, brick, cause: cause.into() }
+}

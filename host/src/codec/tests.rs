@@ -1,0 +1,156 @@
+//! A volume to a container and back: every type, region, level, and every damaged byte.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use super::*;
+use crate::volume::synthetic::{Kind, generate};
+use crate::volume::{ElementType, Fault, Volume};
+
+/// A container in a folder of its own.
+struct Stored {
+    _folder: tempfile::TempDir,
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+fn store(volume: &Volume, options: &CompressOptions) -> (Stored, Report) {
+    let mut bytes = Vec::new();
+    let report = compress(volume, options, &mut bytes, &|_| ()).unwrap();
+    assert_eq!(report.container_bytes, bytes.len() as u64);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("volume.wlift");
+    std::fs::write(&path, &bytes).unwrap();
+    (Stored { _folder: folder, path, bytes }, report)
+}
+
+fn read(path: &std::path::Path, part: &Part) -> Result<Volume, ContainerError> {
+    Container::open(path)?.read(part, None, &|_| ())
+}
+
+fn small_bricks(wavelet: &str, levels: Option<u8>) -> CompressOptions {
+    CompressOptions { wavelet: wavelet.parse().unwrap(), levels, brick: Some([8, 8, 4]), threads: None }
+}
+
+#[test]
+fn every_type_and_kind_comes_back() {
+    for element in ElementType::ALL {
+        for kind in Kind::ALL {
+            let volume = generate(kind, [19, 9, 6], element, 1);
+            let (stored, _) = store(&volume, &small_bricks("auto", None));
+            assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume, "{element} {}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads() {
+    let volume = generate(Kind::Waves, [40, 30, 20], ElementType::U16, 3);
+    let bytes = [1, 2, 5].map(|threads| {
+        let options = CompressOptions { threads: NonZeroUsize::new(threads), ..small_bricks("auto", None) };
+        store(&volume, &options).0.bytes
+    });
+    assert!(bytes.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+/// The samples `from .. to` of a volume of u16.
+fn crop(volume: &Volume, from: [u64; 3], to: [u64; 3]) -> Vec<u8> {
+    let [width, height, _] = volume.extent;
+    let mut samples = Vec::new();
+    for (z, y) in (from[2]..to[2]).flat_map(|z| (from[1]..to[1]).map(move |y| (z, y))) {
+        let start = 2 * ((z * height + y) * width + from[0]) as usize;
+        samples.extend_from_slice(&volume.samples[start..start + 2 * (to[0] - from[0]) as usize]);
+    }
+    samples
+}
+
+#[test]
+fn regions_are_those_of_the_whole() {
+    let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
+    let (stored, _) = store(&volume, &small_bricks("linear", None));
+    for (from, to) in
+        [([0, 0, 0], [1, 1, 1]), ([7, 7, 3], [9, 9, 5]), ([18, 16, 8], [19, 17, 9]), ([3, 0, 4], [17, 17, 8])]
+    {
+        let part = Part { level: 0, region: Some(Region { from, to }) };
+        let read = read(&stored.path, &part).unwrap();
+        assert_eq!(read.samples, crop(&volume, from, to), "{from:?} {to:?}");
+    }
+}
+
+#[test]
+fn levels_are_seamless_and_in_scale() {
+    let constant = generate(Kind::Constant, [21, 17, 9], ElementType::U16, 3);
+    for wavelet in wavelift_kernel::Wavelet::ALL {
+        let (stored, report) = store(&constant, &small_bricks(wavelet.name(), None));
+        assert_eq!((report.levels, report.readable_levels), (3, 2));
+        let coarse = read(&stored.path, &Part { level: 2, region: None }).unwrap();
+        assert_eq!(coarse.extent, [6, 5, 3]);
+        // The low-pass part is made of integers; after six splits one unit of it stands for gain^-6 samples.
+        let (numerator, denominator) = wavelet.low_pass_gain();
+        let slack = 2 * (denominator.pow(6) / numerator.pow(6)) as i32;
+        let value = |bytes: &[u8]| i32::from(u16::from_le_bytes([bytes[0], bytes[1]]));
+        let expected = value(&constant.samples);
+        assert!(
+            coarse.samples.chunks(2).all(|bytes| (value(bytes) - expected).abs() <= slack),
+            "{wavelet:?}"
+        );
+    }
+    let waves = generate(Kind::Waves, [21, 17, 9], ElementType::U16, 3);
+    let (stored, _) = store(&waves, &small_bricks("haar", None));
+    let coarse = read(&stored.path, &Part { level: 1, region: None }).unwrap();
+    let region = Region { from: [3, 8, 2], to: [14, 17, 5] };
+    let part = read(&stored.path, &Part { level: 1, region: Some(region) }).unwrap();
+    assert_eq!((part.extent, part.samples), ([5, 5, 2], crop(&coarse, [2, 4, 1], [7, 9, 3])));
+}
+
+#[test]
+fn parts_that_do_not_exist_are_the_users_fault() {
+    let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
+    let (stored, _) = store(&volume, &small_bricks("linear", None));
+    for (level, region) in [(3, None), (0, Some("0:20,0:1,0:1")), (2, Some("1:3,0:1,0:1"))] {
+        let part = Part { level, region: region.map(|region| region.parse().unwrap()) };
+        assert_eq!(read(&stored.path, &part).unwrap_err().kind(), Fault::Usage, "{level} {region:?}");
+    }
+    assert!("1:1,0:1,0:1".parse::<Region>().is_err());
+    assert!("0:1,0:1,0:1,0:1".parse::<Region>().is_err());
+    assert!("0:1;0:1".parse::<Region>().is_err());
+}
+
+#[test]
+fn impossible_options_are_the_users_fault() {
+    let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
+    let refuse = |options: CompressOptions| {
+        let error = compress(&volume, &options, &mut Vec::new(), &|_| ()).unwrap_err();
+        assert_eq!(error.kind(), Fault::Usage);
+        error.to_string()
+    };
+    assert!(refuse(small_bricks("linear", Some(4))).contains("at most 3 levels"));
+    assert!(refuse(small_bricks("none", Some(1))).contains("contradict"));
+    assert!(refuse(small_bricks("cubic", Some(0))).contains("contradict"));
+    assert!(refuse(CompressOptions { brick: Some([0, 8, 8]), ..Default::default() }).contains("--brick"));
+}
+
+#[test]
+fn every_damaged_byte_and_every_truncation_is_noticed() {
+    let volume = generate(Kind::Blobs, [12, 9, 5], ElementType::U16, 3);
+    let (stored, _) = store(&volume, &small_bricks("auto", None));
+    let damaged = |bytes: &[u8]| {
+        std::fs::write(&stored.path, bytes).unwrap();
+        let read = read(&stored.path, &Part::default());
+        let verified = Container::open(&stored.path).map(|container| {
+            let found = Mutex::new(0);
+            container.verify(None, &|_| (), &|_| *found.lock().unwrap() += 1).unwrap();
+            found.into_inner().unwrap()
+        });
+        assert_eq!(read.unwrap_err().kind(), Fault::Data);
+        assert!(!matches!(verified, Ok(0)));
+    };
+    for at in 0..stored.bytes.len() {
+        let mut bytes = stored.bytes.clone();
+        bytes[at] ^= 1 << (at % 8);
+        damaged(&bytes);
+        damaged(&stored.bytes[..at]);
+    }
+    damaged(&[stored.bytes.clone(), vec![0]].concat());
+}

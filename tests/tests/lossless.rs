@@ -1,0 +1,198 @@
+//! Encoding loses nothing, costs little, and holds every level that it says it holds.
+
+use conformance::inputs::Input;
+use conformance::lent::{Lent, decode, encode};
+use conformance::reference::{forward, low_pass};
+use conformance::vectors::Manifest;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use wavelift_kernel::{Codec, Extent, Header, Plan, SampleType, Wavelet, max_encoded_len};
+
+/// Samples and what to do with them.
+#[derive(Debug)]
+struct Case {
+    plan: Plan,
+    sample_type: SampleType,
+    input: Input,
+}
+
+impl Case {
+    fn samples(&self) -> Vec<i32> {
+        self.input.generate(self.plan.extent()).expect("a generator")
+    }
+}
+
+/// The smallest and the largest value of a type, u32 as itself.
+fn range(sample_type: SampleType) -> (i64, i64) {
+    match sample_type {
+        SampleType::U32 => (0, u32::MAX.into()),
+        narrow => (i64::from(*narrow.range().start()), i64::from(*narrow.range().end())),
+    }
+}
+
+/// Bits of a type.
+fn width(sample_type: SampleType) -> u32 {
+    8 * u32::try_from(sample_type.bytes()).expect("a few bytes")
+}
+
+/// Lines, slices and bricks along any axes.
+fn extent() -> impl Strategy<Value = Extent> {
+    let axes = prop_oneof![
+        [1..=300_u32, 1..=1, 1..=1],
+        [1..=1_u32, 1..=200, 1..=1],
+        [1..=1_u32, 1..=1, 1..=200],
+        [1..=40_u32, 1..=40, 1..=1],
+        [1..=30_u32, 1..=1, 1..=30],
+        [1..=1_u32, 1..=30, 1..=30],
+        [1..=13_u32, 1..=13, 1..=13],
+    ];
+    axes.prop_map(|axes| Extent::new(axes).expect("a small extent"))
+}
+
+/// Samples of one kind within a type; `amount` is from 0 to 255.
+fn input(kind: u32, sample_type: SampleType, amount: u8, seed: u64) -> Input {
+    let (low, high) = range(sample_type);
+    let (span, share) = (high - low, i64::from(amount) + 1);
+    let (middle, bits) = (low + span / 2, 1 + u32::from(amount) % width(sample_type));
+    let period = 2 + u32::from(amount);
+    match kind {
+        0 => Input::Noise { bits: width(sample_type), offset: low, seed },
+        1 => Input::Extremes { low, high, seed },
+        2 => Input::Noise { bits, offset: low, seed },
+        3 => Input::Waves {
+            periods: [period, period / 2 + 1, 20],
+            amplitude: span / 2 * share / 256,
+            offset: middle,
+        },
+        4 => Input::Sparse { one_in: 1 + u64::from(amount), bits: bits.min(width(sample_type) - 1), seed },
+        5 => Input::Steps { width: period, height: span / 301, offset: low },
+        6 => Input::Checker { low: middle - span / 2 * share / 256, high: middle + span / 2 * share / 256 },
+        _ => Input::Constant { value: low + span * share / 256 },
+    }
+}
+
+prop_compose! {
+    fn case()(
+        extent in extent(),
+        wavelet in prop::sample::select(Wavelet::ALL.as_slice()),
+        level in any::<u8>(),
+        sample_type in prop::sample::select(SampleType::ALL.as_slice()),
+        kind in 0..8_u32,
+        amount in any::<u8>(),
+        seed in any::<u64>(),
+    ) -> Case {
+        let plan = Plan::new(wavelet, extent, level % (extent.max_levels() + 1)).expect("levels that it has");
+        Case { plan, sample_type, input: input(kind, sample_type, amount, seed) }
+    }
+}
+
+/// Encodes, and checks what holds for all samples: nothing is lost, each level decodes from the bytes said to
+/// suffice, to the low-pass part of the reference, and the codestream is hardly longer than the samples.
+fn check(plan: &Plan, sample_type: SampleType, samples: &[i32]) -> (Vec<u8>, Header) {
+    let mut codec = Codec::NEW;
+    let bytes = encode(&mut codec, plan, sample_type, samples);
+    let raw = samples.len() * sample_type.bytes();
+    assert!(bytes.len() <= raw + raw / 1000 + 32, "{} bytes for {raw} bytes of samples", bytes.len());
+    assert!(Some(bytes.len()) <= max_encoded_len(plan.extent(), sample_type));
+
+    let header = Header::parse(&bytes).expect("a codestream");
+    assert_eq!((header.sample_type(), header.encoded_bytes()), (sample_type, bytes.len() as u64));
+    assert_eq!((header.plan().extent(), header.plan().levels()), (plan.extent(), plan.levels()));
+    if plan.levels() > 0 {
+        assert_eq!(header.plan().wavelet(), plan.wavelet());
+    }
+    for level in 0..=plan.levels() {
+        let expected = low_pass(plan, samples, level);
+        let enough = usize::try_from(header.bytes_to_level(level)).expect("a few bytes");
+        for bytes in [&bytes[..enough], &bytes] {
+            let decoded = decode(&mut codec, bytes, level, &header).expect("a codestream");
+            assert!(decoded == expected, "level {level}");
+        }
+    }
+    (bytes, header)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 4000,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn every_level_comes_back(case in case()) {
+        check(&case.plan, case.sample_type, &case.samples());
+    }
+
+    #[test]
+    fn single_values_of_full_range_come_back(
+        samples in prop::collection::vec(any::<i32>(), 1..200),
+        wavelet in prop::sample::select(Wavelet::ALL.as_slice()),
+    ) {
+        let extent = Extent::line(u32::try_from(samples.len()).expect("a few")).expect("a line");
+        let plan = Plan::new(wavelet, extent, extent.max_levels()).expect("levels that it has");
+        check(&plan, SampleType::I32, &samples);
+        check(&plan, SampleType::U32, &samples);
+    }
+}
+
+/// A built-in data file as a plan of all levels, and its samples.
+fn built_in(id: &str, wavelet: Wavelet) -> (Plan, Vec<i32>) {
+    let manifest = Manifest::read().expect("the manifest");
+    let (extent, samples) = manifest.data_samples(id).expect("a data file");
+    (Plan::new(wavelet, extent, extent.max_levels()).expect("levels that it has"), samples)
+}
+
+/// For the linear wavelet this ties the kernel to JPEG 2000: `filters.rs` has that the reference is its 5/3.
+#[test]
+fn built_in_data_are_transformed_as_by_the_reference() {
+    for wavelet in Wavelet::ALL {
+        for id in ["rt_slice512", "rt_brick64"] {
+            let (plan, samples) = built_in(id, wavelet);
+            let (mut lent, mut scratch) = (Lent::samples(&samples), Lent::stale(plan.scratch_len()));
+            plan.forward(lent.lend(), scratch.lend()).expect("memory of the right lengths");
+            assert!(lent.take_back() == forward(&plan, &samples), "{wavelet:?} of {id}");
+        }
+    }
+}
+
+/// Bits that an ideal code of the values, each by itself, would take.
+fn order_0_bits(values: &[i32]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable();
+    let runs = sorted.chunk_by(|a, b| a == b).map(|run| run.len() as f64);
+    runs.map(|count| count * (values.len() as f64 / count).log2()).sum()
+}
+
+#[test]
+fn real_data_take_less_than_their_coefficients_one_by_one() {
+    for wavelet in Wavelet::ALL {
+        let (plan, samples) = built_in("rt_brick64", wavelet);
+        let (bytes, _) = check(&plan, SampleType::U8, &samples);
+        let (bits, bound) = (bytes.len() as f64 * 8.0, 0.95 * order_0_bits(&forward(&plan, &samples)));
+        println!("{wavelet:?}: {:.4}", bits / bound * 0.95);
+        assert!(bits <= bound, "{wavelet:?}: {bits} bits, {bound} allowed");
+    }
+}
+
+/// Bytes of a constant brick of 64 samples along each axis, header included.
+const CONSTANT_BRICK_BYTES: usize = 80;
+
+#[test]
+fn constant_bricks_cost_next_to_nothing() {
+    let extent = Extent::brick(64, 64, 64).expect("a brick");
+    let mut most = 0;
+    for wavelet in Wavelet::ALL {
+        for levels in [0, 1, 3, 6] {
+            let plan = Plan::new(wavelet, extent, levels).expect("levels that it has");
+            for value in [0, 1, -1, 7, 100, 255, -32_768, 1 << 20, i32::MAX, i32::MIN, 0x5555_5555] {
+                let samples = vec![value; extent.samples()];
+                let bytes = encode(&mut Codec::NEW, &plan, SampleType::I32, &samples);
+                println!("{wavelet:?}, {levels} levels, {value}: {} bytes", bytes.len());
+                most = most.max(bytes.len());
+            }
+        }
+    }
+    assert!(most <= CONSTANT_BRICK_BYTES, "{most} bytes");
+}
