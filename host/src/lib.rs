@@ -2,4 +2,7 @@
 
 pub mod atomic;
 pub mod codec;
+pub mod integers;
+pub mod tables;
+pub mod transform;
 pub mod volume;

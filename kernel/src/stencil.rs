@@ -256,27 +256,33 @@ mod tests {
         Neighbours::new(centres_of_corners, edges_of_corners, centres_of_edges).unwrap()
     }
 
-    /// s-lift(1/4, 1): v + [f̄/4 + ē], e + [f̄/2]. f̄_v = 8/3, ē_v = 16/3: [2/3 + 16/3] = 6, where rounding each part by
-    /// itself gives 1 + 5 too, but f̄_v = 7/3 gives [7/12 + 16/3] = [71/12] = 6.
+    /// s-lift(1/4, 1): v + [f̄/4 + ē], e + [f̄/2].
     #[test]
     fn bilinear_by_hand() {
         let (mut v, mut e, f) = ([10, 20], [1, 5, 10, 3], [1, 2, 5]);
         let a = I16F16::lit("0.25");
         valence_three().lift(&mut v, &mut e, &f, a, ONE).unwrap();
-        // e + [3/4], [7/4], [6/4], [0]
+        // v + [8/12 + 16/3], [0]; e + [3/4], [7/4], [6/4], [0]
         assert_eq!((v, e), ([16, 20], [2, 7, 12, 3]));
         valence_three().inverse_lift(&mut v, &mut e, &f, a, ONE).unwrap();
         assert_eq!((v, e), ([10, 20], [1, 5, 10, 3]));
     }
 
-    /// s-lift(3/8, 2): 4 v + [9/16 f̄ + 3 ē], 2 e + [3/4 f̄]; the bracket is rounded once: with f̄ = 8/3 and ē = 16/3 it
-    /// is [3/2 + 16] = 18, where f̄ = 1/3 gives [3/16 + 16] = 16.
+    /// The bracket is rounded once: [5/12 + 1/3] = 1, though [5/12] = [1/3] = 0.
+    #[test]
+    fn brackets_are_rounded_once() {
+        let (mut v, mut e, f) = ([0, 0], [0, 1, 0, 0], [1, 2, 2]);
+        valence_three().lift(&mut v, &mut e, &f, I16F16::lit("0.25"), ONE).unwrap();
+        assert_eq!(v, [1, 0]);
+    }
+
+    /// s-lift(3/8, 2): 4 v + [9/16 f̄ + 3 ē], 2 e + [3/4 f̄].
     #[test]
     fn cubic_by_hand() {
         let a = I16F16::lit("0.375");
         let (mut v, mut e) = ([10, -20], [1, 5, 10, 3]);
         valence_three().lift(&mut v, &mut e, &[1, 2, 5], a, TWO).unwrap();
-        // 2 e + [9/8], [21/8], [18/8], [0]
+        // 4 v + [3/2 + 16], [0]; 2 e + [9/8], [21/8], [18/8], [0]
         assert_eq!((v, e), ([58, -80], [3, 13, 22, 6]));
         valence_three().inverse_lift(&mut v, &mut e, &[1, 2, 5], a, TWO).unwrap();
         assert_eq!((v, e), ([10, -20], [1, 5, 10, 3]));

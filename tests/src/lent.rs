@@ -37,7 +37,10 @@ impl<T: Copy + PartialEq + Debug> Lent<T> {
     pub fn take_back(mut self) -> Vec<T> {
         let (before, rest) = self.memory.split_at(GUARD);
         let (_, after) = rest.split_at(rest.len() - GUARD);
-        assert!(before.iter().chain(after).all(|element| *element == self.mark), "written outside of what was lent");
+        assert!(
+            before.iter().chain(after).all(|element| *element == self.mark),
+            "written outside of what was lent"
+        );
         self.lend().to_vec()
     }
 }
@@ -87,7 +90,12 @@ pub fn encode(codec: &mut Codec, plan: &Plan, sample_type: SampleType, samples: 
 /// # Errors
 ///
 /// Those of [`Codec::decode_to_level`].
-pub fn decode(codec: &mut Codec, bytes: &[u8], level: u8, lent_for: &Header) -> Result<Vec<i32>, DecodeError> {
+pub fn decode(
+    codec: &mut Codec,
+    bytes: &[u8],
+    level: u8,
+    lent_for: &Header,
+) -> Result<Vec<i32>, DecodeError> {
     let mut samples = Lent::stale(lent_for.samples_len(level));
     let mut scratch = Lent::stale(lent_for.plan().scratch_len());
     let decoded = codec.decode_to_level(bytes, level, samples.lend(), scratch.lend());

@@ -64,15 +64,14 @@ fn check_slices(wavelet: Wavelet) {
 }
 
 fn bricks(lengths: &[u32]) -> impl Iterator<Item = [u32; 3]> {
-    lengths.iter().flat_map(move |&x| {
-        lengths.iter().flat_map(move |&y| lengths.iter().map(move |&z| [x, y, z]))
-    })
+    lengths
+        .iter()
+        .flat_map(move |&x| lengths.iter().flat_map(move |&y| lengths.iter().map(move |&z| [x, y, z])))
 }
 
 fn check_bricks(wavelet: Wavelet) {
     let mut noise = Noise::new(3);
-    let plans: usize =
-        bricks(&BRICK_LENGTHS).map(|axes| check_all_levels(wavelet, axes, &mut noise)).sum();
+    let plans: usize = bricks(&BRICK_LENGTHS).map(|axes| check_all_levels(wavelet, axes, &mut noise)).sum();
     assert_eq!(plans, 1010);
 }
 

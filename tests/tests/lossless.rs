@@ -176,23 +176,63 @@ fn real_data_take_less_than_their_coefficients_one_by_one() {
     }
 }
 
-/// Bytes of a constant brick of 64 samples along each axis, header included.
-const CONSTANT_BRICK_BYTES: usize = 80;
+/// Bytes, header included, that are next to nothing for a brick of 64 samples along each axis.
+const NEXT_TO_NOTHING: usize = 24;
+
+fn brick(wavelet: Wavelet, levels: u8) -> Plan {
+    let extent = Extent::brick(64, 64, 64).expect("a brick");
+    Plan::new(wavelet, extent, levels).expect("levels that it has")
+}
+
+fn constant_bytes(plan: &Plan, value: i32) -> usize {
+    let samples = vec![value; plan.extent().samples()];
+    encode(&mut { Codec::NEW }, plan, SampleType::I32, &samples).len()
+}
+
+/// From values that no step can wrap to those that most do.
+const CONSTANTS: [i32; 12] = [0, 1, -1, 2, 7, 100, 255, -32_768, 1 << 20, 0x5555_5555, i32::MAX, i32::MIN];
 
 #[test]
-fn constant_bricks_cost_next_to_nothing() {
-    let extent = Extent::brick(64, 64, 64).expect("a brick");
-    let mut most = 0;
-    for wavelet in Wavelet::ALL {
+fn constant_bricks_without_details_cost_next_to_nothing() {
+    for value in CONSTANTS {
         for levels in [0, 1, 3, 6] {
-            let plan = Plan::new(wavelet, extent, levels).expect("levels that it has");
-            for value in [0, 1, -1, 7, 100, 255, -32_768, 1 << 20, i32::MAX, i32::MIN, 0x5555_5555] {
-                let samples = vec![value; extent.samples()];
-                let bytes = encode(&mut Codec::NEW, &plan, SampleType::I32, &samples);
-                println!("{wavelet:?}, {levels} levels, {value}: {} bytes", bytes.len());
-                most = most.max(bytes.len());
+            let bytes = constant_bytes(&brick(Wavelet::Haar, levels), value);
+            assert!(bytes <= NEXT_TO_NOTHING, "haar, {levels} levels of {value}: {bytes} bytes");
+            // The sum of two such neighbours must not wrap.
+            if value.unsigned_abs() < 1 << 30 {
+                let bytes = constant_bytes(&brick(Wavelet::Linear, levels), value);
+                assert!(bytes <= NEXT_TO_NOTHING, "linear, {levels} levels of {value}: {bytes} bytes");
             }
         }
     }
-    assert!(most <= CONSTANT_BRICK_BYTES, "{most} bytes");
+    for wavelet in Wavelet::ALL {
+        let bytes = constant_bytes(&brick(wavelet, 6), 0);
+        assert!(bytes <= NEXT_TO_NOTHING, "{wavelet:?} of 0: {bytes} bytes");
+    }
+}
+
+/// Where rounding leaves details of a constant, they are all alike: they cost no more than their signs.
+#[test]
+fn constant_bricks_cost_the_signs_of_what_rounding_leaves() {
+    for wavelet in Wavelet::ALL {
+        for value in CONSTANTS.into_iter().filter(|value| value.unsigned_abs() <= 1 << 20) {
+            let plan = brick(wavelet, 6);
+            let coefficients = forward(&plan, &vec![value; plan.extent().samples()]);
+            let signs = coefficients.iter().filter(|coefficient| **coefficient != 0).count();
+            let bytes = constant_bytes(&plan, value);
+            println!("{wavelet:?} of {value}: {bytes} bytes, {signs} signs");
+            assert!(bytes <= signs / 8 + 256, "{wavelet:?} of {value}: {bytes} bytes, {signs} signs");
+        }
+    }
+}
+
+/// Bricks of cells of two constant samples along each axis: the Haar wavelet leaves nothing of its finest level.
+#[test]
+fn a_level_without_details_costs_next_to_nothing() {
+    let (plan, samples) = built_in("rt_brick64", Wavelet::Haar);
+    let cell = |index: usize| samples[index & !(1 | 1 << 6 | 1 << 12)];
+    let samples: Vec<i32> = (0..samples.len()).map(cell).collect();
+    let (bytes, header) = check(&plan, SampleType::U8, &samples);
+    let finest = bytes.len() as u64 - header.bytes_to_level(1);
+    assert!(finest <= 160, "{finest} bytes of zeros, {} in all", bytes.len());
 }

@@ -10,7 +10,7 @@ mod container;
 mod error;
 mod grid;
 mod level;
-mod planes;
+pub(crate) mod planes;
 mod read;
 #[cfg(test)]
 mod tests;

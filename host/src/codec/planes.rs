@@ -9,7 +9,7 @@ use wavelift_kernel::SampleType;
 use crate::volume::ElementType;
 
 /// The types of the planes of an element, high half first.
-pub(super) const fn sample_types(element: ElementType) -> &'static [SampleType] {
+pub(crate) const fn sample_types(element: ElementType) -> &'static [SampleType] {
     match element {
         ElementType::U8 => &[SampleType::U8],
         ElementType::I8 => &[SampleType::I8],
@@ -22,7 +22,7 @@ pub(super) const fn sample_types(element: ElementType) -> &'static [SampleType] 
 }
 
 /// Converts little-endian samples to plane number `plane`, as many as `samples` has room for.
-pub(super) fn split(element: ElementType, plane: usize, bytes: &[u8], samples: &mut [i32]) {
+pub(crate) fn split(element: ElementType, plane: usize, bytes: &[u8], samples: &mut [i32]) {
     match element {
         ElementType::U8 => convert(bytes, samples, |[byte]| byte.into()),
         ElementType::I8 => convert(bytes, samples, |bytes| i8::from_le_bytes(bytes).into()),

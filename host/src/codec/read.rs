@@ -94,10 +94,7 @@ impl Container {
         let mut samples = zeros(bytes).ok_or(ContainerError::OutOfMemory { bytes })?;
         let start = wanted.from.map(|first| first << wanted.level);
         let target = Mutex::new(&mut samples[..]);
-        let bricks: Vec<u64> = index
-            .grid
-            .bricks_in(start, per_axis(|axis| ((wanted.to[axis] - 1) << wanted.level) + 1))
-            .collect();
+        let bricks: Vec<u64> = self.bricks_of(&wanted).collect();
         pool(threads.map(NonZeroUsize::get))?.install(|| {
             bricks.into_par_iter().try_for_each_init(Worker::new, |worker, brick| {
                 self.read_into(worker, brick, &wanted, &target)?;
@@ -128,6 +125,20 @@ impl Container {
             });
         });
         Ok(())
+    }
+
+    /// Samples of the bricks that a part lies in, which is what [`Container::read`] counts progress up to; 0 for
+    /// a part that does not exist.
+    pub fn samples_read(&self, part: &Part) -> u64 {
+        let wanted = self.check(part);
+        wanted.map_or(0, |wanted| self.bricks_of(&wanted).map(|brick| self.samples_of(brick)).sum())
+    }
+
+    /// The bricks that hold what is wanted.
+    fn bricks_of(&self, wanted: &Wanted) -> impl Iterator<Item = u64> + use<> {
+        let position = |sample: u64| sample << wanted.level;
+        let last = wanted.to.map(|end| position(end - 1) + 1);
+        self.index().grid.bricks_in(wanted.from.map(position), last)
     }
 
     fn samples_of(&self, brick: u64) -> u64 {

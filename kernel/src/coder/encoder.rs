@@ -18,6 +18,8 @@ pub(crate) struct Encoder<'a> {
     out: &'a mut [u8],
     /// Bytes written.
     len: usize,
+    /// Zero bytes that follow them and are not written yet: at the end they never are.
+    zeros: usize,
     /// A byte did not fit; nothing is written from then on.
     full: bool,
     low: u32,
@@ -27,7 +29,7 @@ pub(crate) struct Encoder<'a> {
 impl<'a> Encoder<'a> {
     /// Starts a codeword at the beginning of `out`.
     pub(crate) const fn new(out: &'a mut [u8]) -> Self {
-        Self { out, len: 0, full: false, low: 0, range: u32::MAX }
+        Self { out, len: 0, zeros: 0, full: false, low: 0, range: u32::MAX }
     }
 
     /// Ends the codeword in as few bytes as it takes and returns their number; `None` if the output was too short.
@@ -35,9 +37,7 @@ impl<'a> Encoder<'a> {
         // The smallest multiple of 2^24 in low .. low + range: one more byte, and zeros that need not be written.
         self.add(self.low.wrapping_neg() % MIN_RANGE);
         let [last, ..] = self.low.to_be_bytes();
-        if last != 0 {
-            self.push(last);
-        }
+        self.push(last);
         if self.full {
             return None;
         }
@@ -56,6 +56,11 @@ impl<'a> Encoder<'a> {
 
     #[cold]
     fn carry(&mut self) {
+        if let Some(zeros) = self.zeros.checked_sub(1) {
+            self.zeros = zeros;
+            self.push(1);
+            return;
+        }
         for byte in self.out.iter_mut().take(self.len).rev() {
             *byte = byte.wrapping_add(1);
             if *byte != 0 {
@@ -76,10 +81,17 @@ impl<'a> Encoder<'a> {
 
     #[inline(always)]
     fn push(&mut self, byte: u8) {
-        match self.out.get_mut(self.len) {
-            Some(slot) if !self.full => {
-                *slot = byte;
-                self.len = self.len.wrapping_add(1);
+        if byte == 0 {
+            self.zeros = self.zeros.wrapping_add(1);
+            return;
+        }
+        let end = self.len.wrapping_add(self.zeros);
+        match self.out.get_mut(self.len..=end) {
+            Some([zeros @ .., last]) if !self.full => {
+                zeros.fill(0);
+                *last = byte;
+                self.len = end.wrapping_add(1);
+                self.zeros = 0;
             }
             _ => self.full = true,
         }
@@ -138,7 +150,7 @@ mod tests {
     fn zeros_cost_nothing() {
         let (mut probability, mut bytes) = (Probability::NEW, []);
         let mut encoder = Encoder::new(&mut bytes);
-        for _ in 0..8 {
+        for _ in 0..10_000 {
             encoder.decide(false, &mut probability);
         }
         assert_eq!(encoder.finish(), Some(0));

@@ -108,7 +108,9 @@ fn low_pass_of_stored(choices: &Choices, segment: &[u8], level: usize) -> Decode
     let [width, height, _] = choices.extent;
     let extent = choices.coarsened(level).extent;
     let inside = |place: usize| {
-        place % width < extent[0] && place / width % height < extent[1] && place / (width * height) < extent[2]
+        place % width < extent[0]
+            && place / width % height < extent[1]
+            && place / (width * height) < extent[2]
     };
     let low_pass = samples.iter().enumerate().filter(|&(place, _)| inside(place)).map(|(_, &v)| v);
     Decoded { extent, samples: low_pass.collect() }

@@ -117,7 +117,11 @@ impl<'a> Decoder<'a> {
     pub(super) fn decide(&mut self, p: u32) -> bool {
         let split = split(self.range, p);
         let decision = self.code >= split;
-        if decision { self.narrow(split, self.range - split) } else { self.narrow(0, split) }
+        if decision {
+            self.narrow(split, self.range - split)
+        } else {
+            self.narrow(0, split)
+        }
         decision
     }
 

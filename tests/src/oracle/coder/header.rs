@@ -196,8 +196,7 @@ pub(super) fn write(choices: &Choices, lengths: &[usize]) -> Vec<u8> {
     };
     let sample_type = SampleType::ALL.iter().position(|&t| t == choices.sample_type).expect("all are listed");
     let psi = Psi::ALL.iter().position(|&psi| Some(psi) == choices.psi).map_or(0, |position| position + 1);
-    let mut bytes =
-        vec![0x77, 0x4C, 1, storage, (psi << 4 | sample_type) as u8, choices.levels as u8];
+    let mut bytes = vec![0x77, 0x4C, 1, storage, (psi << 4 | sample_type) as u8, choices.levels as u8];
     for &number in choices.extent.iter().chain(lengths) {
         bytes.extend(number_bytes(number));
     }

@@ -1,0 +1,84 @@
+//! Arguments of `compress` that stand for more than a number.
+
+use std::str::FromStr;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use wavelift_host::codec::Choice;
+use wavelift_host::volume::{ExtentError, RankedExtent};
+use wavelift_kernel::Wavelet;
+
+/// `auto` or a number of levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Levels {
+    /// As many as a brick allows.
+    Auto,
+    /// So many.
+    Count(u8),
+}
+
+impl Levels {
+    /// The number, if one is given.
+    pub(crate) const fn count(self) -> Option<u8> {
+        match self {
+            Self::Auto => None,
+            Self::Count(levels) => Some(levels),
+        }
+    }
+}
+
+/// Neither `auto` nor a number of levels.
+#[derive(Debug, thiserror::Error)]
+#[error("give auto, or a number from 0 to 31")]
+pub(crate) struct LevelsError;
+
+impl FromStr for Levels {
+    type Err = LevelsError;
+
+    fn from_str(text: &str) -> Result<Self, LevelsError> {
+        match text.parse() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(levels @ 0..=31) => Ok(Self::Count(levels)),
+            _ => Err(LevelsError),
+        }
+    }
+}
+
+/// Takes `auto`, `none`, or the name of a wavelet.
+pub(crate) fn wavelet_choices() -> impl TypedValueParser<Value = Choice> {
+    let choices = [Choice::Auto].into_iter().chain(Wavelet::ALL.map(Choice::Wavelet)).chain([Choice::None]);
+    PossibleValuesParser::new(choices.map(Choice::name)).map(|name| name.parse().expect("a name of the list"))
+}
+
+/// Reads `64` (as long along each axis) or `64x64x32`.
+pub(crate) fn parse_brick(text: &str) -> Result<[u32; 3], ExtentError> {
+    let extent: RankedExtent = text.parse()?;
+    let [x, y, z] = extent.axes();
+    let sides = if extent.rank() == 1 { [x; 3] } else { [x, y, z] };
+    Ok(sides.map(|side| u32::try_from(side).unwrap_or(u32::MAX)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_auto_or_a_number() {
+        assert_eq!("auto".parse::<Levels>().unwrap().count(), None);
+        assert_eq!("0".parse::<Levels>().unwrap().count(), Some(0));
+        assert_eq!("31".parse::<Levels>().unwrap().count(), Some(31));
+        for text in ["", "Auto", "-1", "32", "1.5"] {
+            text.parse::<Levels>().unwrap_err();
+        }
+    }
+
+    #[test]
+    fn bricks_have_one_side_or_three() {
+        assert_eq!(parse_brick("32").unwrap(), [32; 3]);
+        assert_eq!(parse_brick("512x256").unwrap(), [512, 256, 1]);
+        assert_eq!(parse_brick("64x64x8").unwrap(), [64, 64, 8]);
+        assert_eq!(parse_brick("4294967296").unwrap(), [u32::MAX; 3]);
+        for text in ["", "0", "8x0", "1x2x3x4", "a"] {
+            parse_brick(text).unwrap_err();
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! `wavelift compress`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use serde_json::json;
+use wavelift_host::codec::{self, Choice, CompressOptions};
+use wavelift_host::volume;
+
+use super::choice::{Levels, parse_brick, wavelet_choices};
+use super::exit::Failure;
+use super::input::{RawArgs, refuse_same_file};
+use super::output::{print_json, tell, write_atomically};
+use super::progress;
+
+/// Compress a volume without loss
+///
+/// INPUT is NRRD, NumPy or raw samples of any integer or floating-point type; OUTPUT holds the same samples, bit for
+/// bit, and all that the header said. It appears whole or not at all.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  wavelift compress head.nrrd head.wlift
+  wavelift compress engine.raw engine.wlift --extent 256x256x128 --type u8
+  wavelift compress density.npy density.wlift --wavelet linear --brick 128")]
+pub(crate) struct Args {
+    /// Volume to compress: .nrrd, .nhdr, .npy, or raw samples with --extent and --type
+    pub(crate) input: PathBuf,
+    /// Compressed file to write
+    pub(crate) output: PathBuf,
+    /// Wavelet of the transform; auto takes the one that makes this volume smallest, none does without (smallest for
+    /// sparse, noisy or very smooth volumes, but leaves no coarse levels to read)
+    #[arg(long, value_name = "W", default_value = "auto", value_parser = wavelet_choices())]
+    pub(crate) wavelet: Choice,
+    /// Levels of the transform, each a resolution of half the samples along each axis: auto for as many as a brick
+    /// allows, or a number
+    #[arg(long, value_name = "N", default_value = "auto")]
+    pub(crate) levels: Levels,
+    /// Samples of the bricks that are coded, and can be read, one by one: N along each axis, or XxYxZ
+    /// [default: 64x64x64; a slice 512x512; a line 262144]
+    #[arg(long, value_name = "N|XxYxZ", value_parser = parse_brick)]
+    pub(crate) brick: Option<[u32; 3]>,
+    /// Threads to work on; the file is the same for any number [default: one per core]
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Report sizes and choices as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) raw: RawArgs,
+}
+
+/// Compresses a volume.
+///
+/// # Errors
+/// A [`Failure`]; OUTPUT is what it was then.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    refuse_same_file(&args.input, &args.output)?;
+    let layout = args.raw.layout(None)?;
+    let volume = volume::read(&args.input, layout.as_ref())?;
+    let options = CompressOptions {
+        wavelet: args.wavelet,
+        levels: args.levels.count(),
+        brick: args.brick,
+        threads: args.threads,
+    };
+    let samples = volume.extent.into_iter().product();
+    let bar = progress::bar("compressing", samples);
+    let report = write_atomically(&args.output, |out| {
+        codec::compress(&volume, &options, out, &|samples| bar.inc(samples))
+            .map_err(|error| Failure::at(&args.output, error.kind(), error))
+    })?;
+    drop(bar);
+    let bits = 8.0 * report.container_bytes as f64 / samples as f64;
+    let [x, y, z] = volume.extent;
+    if args.json {
+        return print_json(&json!({
+            "input": args.input.display().to_string(),
+            "output": args.output.display().to_string(),
+            "extent": volume.extent,
+            "type": volume.element.name(),
+            "bits_per_sample": bits,
+            "report": report,
+        }));
+    }
+    tell(format_args!(
+        "{}: {x}x{y}x{z} {}, {} bytes -> {}: {} bytes, {bits:.3} bits a sample, {:.2}:1, wavelet {}, {} levels",
+        args.input.display(),
+        volume.element,
+        report.sample_bytes,
+        args.output.display(),
+        report.container_bytes,
+        report.sample_bytes as f64 / report.container_bytes as f64,
+        report.wavelet,
+        report.levels,
+    ));
+    Ok(())
+}

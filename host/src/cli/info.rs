@@ -1,0 +1,98 @@
+//! `wavelift info`.
+
+use std::path::PathBuf;
+
+use serde_json::{Value, json};
+use wavelift_host::codec::{Container, Index};
+use wavelift_host::volume::{HeaderLine, sample_bytes};
+
+use super::exit::Failure;
+use super::output::{print, print_json};
+
+/// Tell what a compressed file holds, without decoding it
+///
+/// Extent, type, wavelet, levels, bricks, sizes, and the header of the volume's source.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  wavelift info head.wlift
+  wavelift info head.wlift --json")]
+pub(crate) struct Args {
+    /// Compressed file
+    pub(crate) input: PathBuf,
+    /// Write one JSON document instead of text
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Tells what a compressed file holds.
+///
+/// # Errors
+/// A [`Failure`] if it is not a whole container.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let container =
+        Container::open(&args.input).map_err(|error| Failure::at(&args.input, error.kind(), error))?;
+    if args.json { print_json(&document(&container)) } else { print(&text(&container)) }
+}
+
+fn document(container: &Container) -> Value {
+    let index = container.index();
+    let metadata = &index.metadata;
+    json!({
+        "extent": index.grid.extent,
+        "type": index.element.name(),
+        "wavelet": wavelet(index),
+        "levels": index.levels,
+        "readable_levels": index.readable_levels,
+        "brick": index.grid.sides,
+        "bricks": index.bricks.len(),
+        "sample_bytes": sample_bytes(index.grid.extent, index.element),
+        "bytes": container.bytes(),
+        "bits_per_sample": bits(container),
+        "source": {
+            "format": metadata.source.format.name(),
+            "byte_order": metadata.source.byte_order.name(),
+            "fortran_order": metadata.source.fortran_order,
+            "rank": metadata.rank,
+        },
+        "name": metadata.name(),
+        "spacing": metadata.spacing(),
+        "origin": metadata.origin(),
+        "header": metadata.lines,
+    })
+}
+
+fn text(container: &Container) -> String {
+    let index = container.index();
+    let ([x, y, z], [a, b, c]) = (index.grid.extent, index.grid.sides);
+    let source = index.metadata.source;
+    let fortran = if source.fortran_order { ", Fortran order" } else { "" };
+    let mut lines = vec![
+        format!("extent    {x} x {y} x {z}, x fastest"),
+        format!("type      {}", index.element),
+        format!(
+            "wavelet   {}, {} levels, {} of them readable",
+            wavelet(index),
+            index.levels,
+            index.readable_levels
+        ),
+        format!("bricks    {} of {a} x {b} x {c}", index.bricks.len()),
+        format!("size      {} bytes, {:.3} bits a sample", container.bytes(), bits(container)),
+        format!("source    {}, {} endian{fortran}", source.format.name(), source.byte_order.name()),
+    ];
+    lines.extend(index.metadata.lines.iter().map(|line| match line {
+        HeaderLine::Comment(text) => format!("          # {text}"),
+        HeaderLine::Field { name, value } => format!("          {name}: {value}"),
+        HeaderLine::KeyValue { key, value } => format!("          {key} := {value}"),
+    }));
+    lines.join("\n") + "\n"
+}
+
+fn wavelet(index: &Index) -> &'static str {
+    index.wavelet.map_or("none", |wavelet| wavelet.name())
+}
+
+fn bits(container: &Container) -> f64 {
+    let samples: f64 = container.index().grid.extent.into_iter().map(|axis| axis as f64).product();
+    8.0 * container.bytes() as f64 / samples
+}

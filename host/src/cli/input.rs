@@ -1,0 +1,135 @@
+//! Arguments that several commands share: the layout of a raw file, and names to choose from.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use wavelift_host::volume::{ByteOrder, ElementType, Fault, RankedExtent, RawLayout};
+use wavelift_kernel::Wavelet;
+
+use super::exit::Failure;
+
+/// How a raw file lies, which it does not say itself. NRRD and NumPy files need none of these.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Layout of a raw file")]
+pub(crate) struct RawArgs {
+    /// Samples along x, y and z, x varying fastest: 64x64x93, 512x512, 1000
+    #[arg(long, value_name = "XxYxZ")]
+    extent: Option<RankedExtent>,
+    /// Type of a sample
+    #[arg(long = "type", value_name = "T", value_parser = element_names())]
+    element: Option<ElementType>,
+    /// Order of the bytes of a sample in the file [default: little]
+    #[arg(long, value_name = "ORDER", value_parser = byte_order_names())]
+    byte_order: Option<ByteOrder>,
+}
+
+impl RawArgs {
+    /// The layout, if one is given. `default` is the type of a file that has only one.
+    ///
+    /// # Errors
+    /// A usage failure for half a layout.
+    pub(crate) fn layout(&self, default: Option<ElementType>) -> Result<Option<RawLayout>, Failure> {
+        match (self.extent, self.element, self.element.or(default)) {
+            (Some(extent), _, Some(element)) => {
+                Ok(Some(RawLayout { extent, element, byte_order: self.byte_order.unwrap_or_default() }))
+            }
+            (Some(_), _, None) => Err(usage("--extent is given, but not --type: a raw file needs both")),
+            (None, Some(_), _) => Err(usage("--type is given, but not --extent: a raw file needs both")),
+            (None, None, _) if self.byte_order.is_some() => {
+                Err(usage("--byte-order is for raw files: give --extent and --type with it, or leave it out"))
+            }
+            (None, None, _) => Ok(None),
+        }
+    }
+}
+
+/// Refuses to write a file over the one it is made from.
+///
+/// # Errors
+/// A usage failure if both paths lead to one regular file.
+pub(crate) fn refuse_same_file(input: &Path, output: &Path) -> Result<(), Failure> {
+    let same = match (input.canonicalize(), output.canonicalize()) {
+        (Ok(input), Ok(output)) => input == output && input.is_file(),
+        _ => false,
+    };
+    if same {
+        return Err(Failure::at(output, Fault::Usage, "is the input as well: give another output"));
+    }
+    Ok(())
+}
+
+fn usage(message: &str) -> Failure {
+    Failure::new(Fault::Usage, message)
+}
+
+/// Takes the name of a sample type.
+pub(crate) fn element_names() -> impl TypedValueParser<Value = ElementType> {
+    names(ElementType::ALL.map(ElementType::name))
+}
+
+/// Takes `little` or `big`.
+pub(crate) fn byte_order_names() -> impl TypedValueParser<Value = ByteOrder> {
+    names([ByteOrder::Little, ByteOrder::Big].map(ByteOrder::name))
+}
+
+/// Takes the name of one of the six wavelets.
+pub(crate) fn wavelet_names() -> impl TypedValueParser<Value = Wavelet> {
+    PossibleValuesParser::new(Wavelet::ALL.map(Wavelet::name)).map(|name| {
+        let found = Wavelet::ALL.into_iter().find(|wavelet| wavelet.name() == name);
+        found.expect("only names of the list pass")
+    })
+}
+
+/// Takes one of `names`, so that help lists them and a misspelt one is told from them.
+fn names<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names)
+        .map(|name| name.parse().unwrap_or_else(|_| unreachable!("only names of the list pass")))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Program {
+        #[command(flatten)]
+        raw: RawArgs,
+        #[arg(long, value_parser = wavelet_names())]
+        wavelet: Option<Wavelet>,
+    }
+
+    fn parse(words: &str) -> Result<Program, clap::Error> {
+        Program::try_parse_from(["wavelift"].into_iter().chain(words.split_whitespace()))
+    }
+
+    #[test]
+    fn a_whole_layout_or_none_is_taken() {
+        let layout = |words, default| parse(words).unwrap().raw.layout(default);
+        assert_eq!(layout("", None).unwrap(), None);
+        assert_eq!(layout("", Some(ElementType::I32)).unwrap(), None);
+        let whole = layout("--extent 4x3 --type u16 --byte-order big", None).unwrap().unwrap();
+        assert_eq!((whole.extent.to_string().as_str(), whole.element), ("4x3", ElementType::U16));
+        assert_eq!(whole.byte_order, ByteOrder::Big);
+        let given = layout("--extent 4x3", Some(ElementType::I32)).unwrap().unwrap();
+        assert_eq!((given.element, given.byte_order), (ElementType::I32, ByteOrder::Little));
+        for half in ["--extent 4x3", "--type u8", "--byte-order big", "--type u8 --byte-order big"] {
+            layout(half, None).unwrap_err();
+        }
+    }
+
+    #[test]
+    fn names_are_taken_from_their_lists() {
+        for wavelet in Wavelet::ALL {
+            assert_eq!(parse(&format!("--wavelet {}", wavelet.name())).unwrap().wavelet, Some(wavelet));
+        }
+        for wrong in ["--wavelet none", "--type U8", "--byte-order middle", "--extent 4x0"] {
+            assert!(parse(wrong).is_err_and(|error| error.exit_code() == 2), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The command line: words to options of the library, and what went wrong to an exit code.
+
+mod choice;
+mod compress;
+mod decompress;
+mod exit;
+mod info;
+mod input;
+mod output;
+mod progress;
+mod tables;
+mod transform;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Lossless compression of scientific volumes with integer wavelets.
+///
+/// A volume is a line, a slice or a brick of numbers: raw samples, NRRD (.nrrd, .nhdr) or NumPy (.npy). Extents are
+/// written x, y, z, and x varies fastest in the file.
+#[derive(Debug, Parser)]
+#[command(name = "wavelift", version, max_term_width = 100, after_help = AFTER_HELP)]
+struct Program {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written.
+
+`wavelift COMMAND --help` says more about each, with an example.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Compress(compress::Args),
+    Decompress(decompress::Args),
+    Info(info::Args),
+    Verify(verify::Args),
+    Tables(tables::Args),
+    Transform(transform::Args),
+}
+
+/// Does what the command line says.
+pub(crate) fn run() -> ExitCode {
+    let outcome = match Program::parse().command {
+        Command::Compress(args) => compress::run(&args),
+        Command::Decompress(args) => decompress::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Verify(args) => verify::run(&args),
+        Command::Tables(args) => tables::run(&args),
+        Command::Transform(args) => transform::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Program::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_an_example() {
+        for command in Program::command().get_subcommands() {
+            let help = command.clone().render_long_help().to_string();
+            assert!(help.contains(&format!("wavelift {}", command.get_name())), "{help}");
+        }
+    }
+}
