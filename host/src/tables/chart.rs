@@ -21,7 +21,7 @@ const REFERENCE: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
 /// Lengths in pixels.
 const PANEL_WIDTH: u32 = 600;
 const HEADER_HEIGHT: u32 = 96;
-const FOOTER_HEIGHT: u32 = 64;
+const FOOTER_HEIGHT: u32 = 80;
 const PANEL_TITLE_HEIGHT: i32 = 56;
 const AXIS_HEIGHT: i32 = 56;
 const ROW_HEIGHT: i32 = 58;
@@ -29,6 +29,9 @@ const BAR_HEIGHT: i32 = 19;
 const LEFT: i32 = 132;
 const RIGHT: i32 = 64;
 const MARGIN: i32 = 24;
+
+/// Letters of a title that fit into the width of a panel.
+const TITLE_LETTERS: usize = 48;
 
 /// Draws a panel a table, side by side, and returns the picture as SVG.
 pub fn svg(tables: &[Table]) -> String {
@@ -69,23 +72,27 @@ fn draw_header(area: &Area<'_>, has_reference: bool) -> Drawn {
     }
     if has_reference {
         area.draw(&Rectangle::new([(x + 6, 58), (x + 9, 80)], REFERENCE.filled()))?;
-        write(area, "order-0 in the text", (x + 20, 69), plain(15.0, &INK))?;
+        let label = "order-0 code length in the dissertation";
+        write(area, label, (x + 20, 69), plain(15.0, &INK))?;
     }
     Ok(())
 }
 
 fn draw_footer(area: &Area<'_>, has_reference: bool) -> Drawn {
-    let explained = "Order-0: histogram of all coefficients, the histogram itself not counted. Codestream: headers included, decoded and compared.";
-    write(area, explained, (MARGIN, 16), plain(13.0, &FAINT_INK))?;
-    if has_reference {
-        let source = "Text: Bertram, Multiresolution Modeling for Scientific Visualization, 2000, Tables 3.5 and 3.6; another simulation of the same kind.";
-        write(area, source, (MARGIN, 38), plain(13.0, &FAINT_INK))?;
+    let notes = [
+        "Order-0: code length of the histogram of all coefficients, not counting itself.",
+        "Codestream: as written, headers included; decoded again and compared bit for bit.",
+        "Dissertation: M. Bertram, Multiresolution Modeling for Scientific Visualization, 2000, Tables 3.5 and 3.6; \
+         another simulation of the same kind.",
+    ];
+    for (note, y) in notes.iter().take(if has_reference { 3 } else { 2 }).zip((14..).step_by(21)) {
+        write(area, note, (MARGIN, y), plain(13.0, &FAINT_INK))?;
     }
     Ok(())
 }
 
 fn draw_panel(area: &Area<'_>, table: &Table) -> Drawn {
-    write(area, &table.title, (MARGIN, 12), bold(17.0, &INK))?;
+    write(area, &shortened(&table.title), (MARGIN, 12), bold(17.0, &INK))?;
     write(area, &table.description(), (MARGIN, 34), plain(13.0, &FAINT_INK))?;
     let scale = Scale::of(table);
     let bottom = PANEL_TITLE_HEIGHT + ROW_HEIGHT * table.rows.len() as i32;
@@ -127,10 +134,22 @@ fn draw_row(area: &Area<'_>, table: &Table, row: &Row, (scale, top): (&Scale, i3
                 REFERENCE.filled(),
             ))?;
         }
-        let value = (end.max(mark.unwrap_or(end)) + 7, top + BAR_HEIGHT / 2);
-        write(area, &format!("{percent:.1}"), value, style)?;
+        let (x, y) = (end.max(mark.unwrap_or(end)) + 7, top + BAR_HEIGHT / 2);
+        let value = format!("{percent:.1}");
+        // No line of the grid runs through a number.
+        let patch = [(x - 2, y - 7), (x + 9 * value.len() as i32, y + 7)];
+        area.draw(&Rectangle::new(patch, WHITE.filled()))?;
+        write(area, &value, (x, y), style)?;
     }
     Ok(())
+}
+
+/// As much of a title as a panel has room for.
+fn shortened(title: &str) -> String {
+    match title.char_indices().nth(TITLE_LETTERS) {
+        Some((end, _)) => format!("{}…", &title[..end]),
+        None => title.to_owned(),
+    }
 }
 
 /// From percent to pixels of a panel.

@@ -20,6 +20,9 @@ const COLUMNS: [[&str; 2]; 12] = [
     ["stream", "bits/sample"],
 ];
 
+/// Where the text's figure goes: beside the code length that it is one of.
+const REFERENCE_COLUMN: usize = 5;
+
 /// Spaces between columns.
 const GAP: &str = "   ";
 
@@ -40,8 +43,7 @@ pub fn text(tables: &[Table]) -> String {
         ""
     );
     if tables.iter().any(|table| table.reference.is_some()) {
-        text += "text     order-0 in the dissertation's Tables 3.5 and 3.6, from another simulation of the same kind:\n\
-                 \u{20}        beside its figures these may stand, equal they cannot be\n";
+        text += "Table    order-0 in the dissertation, from another simulation of the same kind: to set beside, not to equal\n";
     }
     text
 }
@@ -51,8 +53,8 @@ fn write_table(text: &mut String, table: &Table) {
     let mut header = COLUMNS.map(|[name, _]| name.to_owned()).to_vec();
     let mut units = COLUMNS.map(|[_, unit]| unit.to_owned()).to_vec();
     if let Some(reference) = table.reference {
-        header.push("text".to_owned());
-        units.push(format!("{}, %", reference.table));
+        header.insert(REFERENCE_COLUMN, reference.table.to_owned());
+        units.insert(REFERENCE_COLUMN, "%".to_owned());
     }
     let mut lines = vec![header, units];
     lines.extend(table.rows.iter().map(|row| cells(table, row)));
@@ -94,7 +96,8 @@ fn cells(table: &Table, row: &Row) -> Vec<String> {
     ];
     if table.reference.is_some() {
         let percent = table.reference_percent(row);
-        cells.push(percent.map_or("-".to_owned(), |percent| format!("{percent:.1}")));
+        let cell = percent.map_or("-".to_owned(), |percent| format!("{percent:.1}"));
+        cells.insert(REFERENCE_COLUMN, cell);
     }
     cells
 }
@@ -109,22 +112,24 @@ mod tests {
         let text = text(&[example()]);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "a <line> & more: 8 samples of i16, 16 bytes, in one brick");
-        let end = lines[2].find("text").unwrap() + "text".len();
-        assert_eq!(lines[2].len(), end);
-        for line in &lines[3..11] {
+        let end = lines[3].len();
+        assert!(lines[3].ends_with("bits/sample"));
+        for line in &lines[4..11] {
             assert_eq!(line.len(), end, "{line}");
         }
+        let column = lines[2].find("Table 0.0").unwrap() + "Table 0.0".len();
+        assert!(lines[9][..column].ends_with(" 10.5") && lines[10][..column].ends_with(" -"));
         assert!(lines[5].starts_with("quadratic    psi_Q        3   2.50"), "{}", lines[5]);
         assert!(lines[10].starts_with("none                      0      -"), "{}", lines[10]);
         assert_eq!(lines[12], "Smallest stream: haar, 8.00 times smaller than the samples.");
     }
 
     #[test]
-    fn without_a_reference_the_text_is_not_mentioned() {
+    fn without_a_reference_the_dissertation_is_not_mentioned() {
         let mut table = example();
         table.reference = None;
         let text = text(&[table]);
-        assert!(!text.contains("dissertation's Tables"));
+        assert!(!text.contains("dissertation"));
         assert!(text.lines().nth(2).unwrap().ends_with("stream"));
     }
 }

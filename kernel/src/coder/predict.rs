@@ -11,13 +11,13 @@ struct Corner {
 }
 
 impl Corner {
-    /// Beyond the border stands the nearest sample there is, or else `fallback`.
+    /// Beyond the border stands the nearest sample there is, or else `fallback`. North-west does not matter there:
+    /// where it is missing, west equals north.
     #[inline(always)]
     fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
         let near_west = west.or(north).unwrap_or(fallback);
         let near_north = north.unwrap_or(near_west);
-        let near_north_west = north_west.unwrap_or(if north.is_some() { near_north } else { near_west });
-        Self { west: near_west, north: near_north, north_west: near_north_west }
+        Self { west: near_west, north: near_north, north_west: north_west.unwrap_or(near_west) }
     }
 
     /// The value that the plane through the three takes: west + north - north-west.

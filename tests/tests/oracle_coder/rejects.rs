@@ -154,8 +154,8 @@ fn segments() {
 
 #[test]
 fn samples_outside_their_type() {
-    // -5 is 5 with the other sign. The raw bit, a set one, adds 40003FFF to low and leaves a range of 40004000:
-    // low rises from F1FF8000 to F2000000.
+    // -5 is the 5 of `by_hand` with the other sign: the raw bit, now set, adds 40003FFF to low and leaves a range of
+    // 40004000, so that low ends as F1FFBFFF and rises to F2000000.
     assert_eq!(
         both_decode(&bytes("77 4C 01 00 05 00 01 01 01 01 F2"), 0),
         Ok(Decoded { extent: [1; 3], samples: vec![-5] })
