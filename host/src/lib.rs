@@ -1,4 +1,4 @@
-//! Host.
+#![doc = include_str!("../README.md")]
 
 pub mod atomic;
 pub mod codec;

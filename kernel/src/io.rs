@@ -9,7 +9,7 @@ use embedded_io::{Read, Write};
 
 use crate::{DecodeError, Header};
 
-/// Why [`write`] gave up. Some of the codestream may have been written.
+/// Why [`write()`] gave up. Some of the codestream may have been written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WriteError<E> {

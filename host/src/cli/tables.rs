@@ -6,13 +6,13 @@ use wavelift_host::tables::{self, Table};
 use wavelift_host::volume::{self, Volume};
 
 use super::exit::Failure;
-use super::input::RawArgs;
+use super::input::{RawArgs, refuse_same_file};
 use super::{output, progress};
 
 /// Compare the six wavelets on a volume, or on a built-in slice and brick
 ///
 /// For each wavelet, and for none: how long the transform takes, how long the code of its coefficients' histogram is
-/// (the columns of Tables 3.5 and 3.6 in Bertram's dissertation), and how long the file really gets. Every codestream
+/// (the columns of Tables 3.5 and 3.6 in Bertram's dissertation), and how long the real codestream. Every codestream
 /// is decoded again and compared before it is counted. Volumes larger than 64x64x64 samples (512x512 for a slice) are
 /// cut into bricks of that size.
 #[derive(Debug, clap::Args)]
@@ -38,11 +38,17 @@ pub(crate) struct Args {
 }
 
 /// Measures, draws, prints.
+///
+/// # Errors
+/// A [`Failure`]; nothing is drawn or printed unless everything could be measured.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    if let (Some(input), Some(svg)) = (&args.input, &args.svg) {
+        refuse_same_file(input, svg)?;
+    }
     let layout = args.raw.layout(None)?;
     let tables = match &args.input {
         None if layout.is_some() => {
-            let message = "--extent and --type describe a raw file: name it before them";
+            let message = "--extent and --type describe INPUT, which is not given";
             return Err(Failure::new(volume::Fault::Usage, message));
         }
         None => built_in(args.levels)?,
@@ -59,7 +65,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 fn built_in(levels: Option<u8>) -> Result<Vec<Table>, Failure> {
     let measured = tables::built_in().into_iter().map(|built_in| {
-        let table = measure(Path::new("built-in"), built_in.title, &built_in.volume, levels)?;
+        let table = measure(Path::new(built_in.title), built_in.title, &built_in.volume, levels)?;
         Ok(Table { reference: Some(built_in.reference), ..table })
     });
     measured.collect()

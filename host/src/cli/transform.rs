@@ -7,7 +7,7 @@ use wavelift_host::volume::{self, ElementType, Fault, WriteOptions};
 use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
-use super::input::{RawArgs, wavelet_names};
+use super::input::{RawArgs, refuse_same_file, wavelet_names};
 
 /// Transform a volume to wavelet coefficients or back, without coding (for study and tests)
 ///
@@ -16,8 +16,9 @@ use super::input::{RawArgs, wavelet_names};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  wavelift transform head.nrrd coefficients.raw --wavelet linear --levels 3
-  wavelift transform coefficients.raw samples.raw --wavelet linear --levels 3 --inverse --extent 64x64x93
+  wavelift transform head.nrrd coefficients.nrrd --wavelet linear --levels 3
+  wavelift transform coefficients.nrrd samples.nrrd --wavelet linear --levels 3 --inverse
+  wavelift transform c.raw s.raw --wavelet linear --levels 3 --inverse --extent 64x64x93
 
 The inverse gives the samples as 32-bit integers, whatever they were before; unsigned ones of 32 bits as the same bits.
 With 0 levels the samples are converted to 32 bits and nothing else.")]
@@ -40,7 +41,11 @@ pub(crate) struct Args {
 }
 
 /// Reads, transforms, writes.
+///
+/// # Errors
+/// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    refuse_same_file(&args.input, &args.output)?;
     let layout = args.raw.layout(args.inverse.then_some(ElementType::I32))?;
     let input = volume::read(&args.input, layout.as_ref())?;
     let direction = if args.inverse { transform::inverse } else { transform::forward };

@@ -98,7 +98,7 @@ fn draw_panel(area: &Area<'_>, table: &Table) -> Drawn {
     let bottom = PANEL_TITLE_HEIGHT + ROW_HEIGHT * table.rows.len() as i32;
     for percent in scale.ticks() {
         let x = scale.x(f64::from(percent));
-        area.draw(&PathElement::new([(x, PANEL_TITLE_HEIGHT), (x, bottom)], &GRID_INK))?;
+        area.draw(&PathElement::new([(x, PANEL_TITLE_HEIGHT), (x, bottom)], GRID_INK))?;
         write(area, &percent.to_string(), (x, bottom + 14), plain(13.0, &FAINT_INK).pos(CENTRE))?;
     }
     let middle = (LEFT + PANEL_WIDTH as i32 - RIGHT) / 2;
@@ -107,7 +107,7 @@ fn draw_panel(area: &Area<'_>, table: &Table) -> Drawn {
         draw_row(area, table, row, (&scale, top + (ROW_HEIGHT - 2 * BAR_HEIGHT) / 2))?;
     }
     let axis = scale.x(0.0);
-    area.draw(&PathElement::new([(axis, PANEL_TITLE_HEIGHT), (axis, bottom)], &INK))
+    area.draw(&PathElement::new([(axis, PANEL_TITLE_HEIGHT), (axis, bottom)], INK))
 }
 
 /// Two bars with their values, the label to their left, and the text's figure across the first.
@@ -118,7 +118,7 @@ fn draw_row(area: &Area<'_>, table: &Table, row: &Row, (scale, top): (&Scale, i3
     let symbol = row.wavelet.map_or("no transform", |wavelet| wavelet.symbol()).replace("psi", "ψ");
     write(area, &symbol, (LEFT - 12, symbol_y), plain(12.0, &FAINT_INK).pos(right))?;
 
-    let is_best = table.best().is_some_and(|best| best.wavelet == row.wavelet);
+    let is_best = table.best().is_some_and(|best| best.stream_bytes == row.stream_bytes);
     let reference = table.reference_percent(row).map(|percent| scale.x(percent));
     let order0 = f64::from(row.measure.percent_of(table.raw_bytes()));
     let bars = [
@@ -167,7 +167,7 @@ impl Scale {
             [order0, table.stream_percent(row), table.reference_percent(row).unwrap_or(0.0)]
         });
         let most = figures.fold(1.0, f64::max).min(1e6).ceil() as u32;
-        let step = [1, 2, 5, 10, 20, 50].into_iter().find(|step| most.div_ceil(*step) <= 8);
+        let step = [1, 2, 5, 10, 20, 50, 100].into_iter().find(|step| most.div_ceil(*step) <= 8);
         let step = step.unwrap_or(most.div_ceil(8));
         Self { end: most.div_ceil(step) * step, step }
     }
@@ -224,15 +224,15 @@ mod tests {
     #[test]
     fn scales_end_at_a_tick_beyond_every_figure() {
         let mut table = example();
-        for (bytes, end, step) in [(7, 90, 20), (16, 100, 20), (17, 120, 20)] {
-            for row in &mut table.rows {
-                row.stream_bytes = bytes;
-            }
-            table.reference = None;
+        table.reference = None;
+        let order0 = table.rows[0].measure.percent_of(table.raw_bytes());
+        assert!(order0 < 20.0, "{order0}");
+        for (bytes, end, step) in [(8, 50, 10), (12, 80, 10), (16, 100, 20), (17, 120, 20), (80, 500, 100)] {
+            table.rows[0].stream_bytes = bytes;
+            table.rows.truncate(1);
             let scale = Scale::of(&table);
-            assert!(f64::from(scale.end) >= table.stream_percent(&table.rows[0]), "{end} {step}");
-            assert!(scale.end.is_multiple_of(scale.step) && scale.end / scale.step <= 8);
-            assert!(scale.x(f64::from(scale.end)) == PANEL_WIDTH as i32 - RIGHT);
+            assert_eq!((scale.end, scale.step), (end, step), "{bytes}");
+            assert_eq!(scale.x(f64::from(end)), PANEL_WIDTH as i32 - RIGHT);
         }
     }
 

@@ -35,18 +35,23 @@ fn row(table: &Table, row: &Row) -> Value {
         "wavelet": row.name(),
         "symbol": row.wavelet.map(|wavelet| wavelet.symbol()),
         "levels": row.levels,
-        "forward_ms": row.forward.map(|time| time.as_secs_f64() * 1e3),
+        "forward_ms": row.forward.map(|time| rounded(time.as_secs_f64() * 1e3)),
         "order0_bytes": row.measure.code_bytes(),
-        "order0_percent": row.measure.percent_of(raw_bytes),
-        "order0_rate": row.measure.rate(raw_bytes),
-        "zeros_percent": row.measure.zeros_percent(),
+        "order0_percent": rounded(row.measure.percent_of(raw_bytes)),
+        "order0_rate": rounded(row.measure.rate(raw_bytes)),
+        "zeros_percent": rounded(row.measure.zeros_percent()),
         "min": row.measure.min,
         "max": row.measure.max,
         "stream_bytes": row.stream_bytes,
-        "stream_percent": table.stream_percent(row),
-        "stream_bits_per_sample": table.bits_per_sample(row),
+        "stream_percent": rounded(table.stream_percent(row)),
+        "stream_bits_per_sample": rounded(table.bits_per_sample(row)),
         "reference_order0_percent": table.reference_percent(row),
     })
+}
+
+/// A figure in ten thousandths, which is finer than any of them means.
+fn rounded(figure: impl Into<f64>) -> f64 {
+    (figure.into() * 1e4).round() / 1e4
 }
 
 #[cfg(test)]
