@@ -111,6 +111,8 @@ pub enum Malformed {
     Extent,
     /// More levels than the extent allows, or a wavelet without levels.
     Levels,
+    /// A weight of the predictor above 8.
+    Weight,
     /// The length of the stored samples is not that of the extent.
     StoredLength,
     /// A segment is longer than its coefficients need, ends in a zero byte, or lies above the coder's interval.
@@ -267,6 +269,7 @@ impl fmt::Display for Malformed {
             Self::Number => "malformed codestream: number not in shortest form",
             Self::Extent => "malformed codestream: impossible extent",
             Self::Levels => "malformed codestream: impossible levels",
+            Self::Weight => "malformed codestream: weight above 8",
             Self::StoredLength => "malformed codestream: stored samples of the wrong length",
             Self::Segment => "malformed codestream: segment not as an encoder ends it",
             Self::Sample => "malformed codestream: sample outside its type",

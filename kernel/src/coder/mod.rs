@@ -4,14 +4,18 @@
 //! [`BinaryCoder`]: the encoder is given each decision and returns it, the decoder ignores what it is given and
 //! returns what it reads. The two directions cannot drift apart.
 
+mod choose;
 mod context;
 mod decoder;
 mod encoder;
 mod history;
 mod model;
 mod predict;
+mod rows;
 mod scan;
 mod symbol;
+mod train;
+mod weights;
 
 pub(crate) use decoder::Decoder;
 pub(crate) use encoder::Encoder;
@@ -19,6 +23,8 @@ pub(crate) use history::history_len;
 pub(crate) use predict::Predictor;
 pub(crate) use scan::Coefficients;
 pub(crate) use symbol::Models;
+pub(crate) use train::Equations;
+pub(crate) use weights::{IN_PLANE, LARGEST_WEIGHT, WEIGHTS, Weights};
 
 pub(crate) use model::Probability;
 

@@ -1,6 +1,7 @@
 //! Prediction of the low-pass part (all of the samples where there is no transform) from the samples before.
 
-use crate::transform::{Plan, Subband};
+use super::rows::RowsBefore;
+use super::weights::{Differences, Weights};
 
 /// Samples around a place in a plane: west, north, and between them.
 #[derive(Clone, Copy, Debug)]
@@ -44,15 +45,28 @@ fn median(a: i32, b: i32, c: i32) -> i32 {
     a.max(b).min(a.min(b).max(c))
 }
 
-/// What is known before a sample of the low-pass part.
+/// What the fixed predictors look at: the corner of a sample, and that of the sample at the same place of the plane
+/// before.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Before {
+struct Before {
     here: Corner,
-    /// The sample at the same place of the plane before, and what is around that.
     up: Option<(i32, Corner)>,
 }
 
-/// How the low-pass part is predicted. In its first plane every predictor is [`Predictor::InPlane`].
+impl Before {
+    #[inline(always)]
+    fn new(rows: &RowsBefore<'_>, x: usize, west: Option<i32>) -> Self {
+        let left = x.wrapping_sub(1);
+        let get = |row: &[i32], x: usize| row.get(x).copied();
+        let up = get(rows.up, x);
+        let here = Corner::new(west, get(rows.north, x), get(rows.north, left), up.unwrap_or(0));
+        let above =
+            |up| (up, Corner::new(get(rows.up, left), get(rows.up_north, x), get(rows.up_north, left), up));
+        Self { here, up: up.map(above) }
+    }
+}
+
+/// How the low-pass part is predicted. In its first plane every fixed predictor is [`Predictor::InPlane`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum Predictor {
@@ -66,10 +80,13 @@ pub(crate) enum Predictor {
     Change,
     /// The mean of west, north and up, rounded down.
     Mean,
+    /// A weighted sum of 20 samples.
+    Trained(Weights),
 }
 
 impl Predictor {
-    pub(crate) const ALL: [Self; 5] = [Self::InPlane, Self::Up, Self::Planes, Self::Change, Self::Mean];
+    /// Those without weights.
+    pub(crate) const FIXED: [Self; 5] = [Self::InPlane, Self::Up, Self::Planes, Self::Change, Self::Mean];
 
     /// The number of this predictor in a codestream.
     pub(crate) const fn code(self) -> u8 {
@@ -79,21 +96,37 @@ impl Predictor {
             Self::Planes => 2,
             Self::Change => 3,
             Self::Mean => 4,
+            Self::Trained(_) => Self::TRAINED,
         }
     }
 
-    /// The predictor of that number, if there is one.
+    /// The number of [`Predictor::Trained`].
+    pub(crate) const TRAINED: u8 = 5;
+
+    /// The fixed predictor of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|predictor| predictor.code() == code)
+        Self::FIXED.into_iter().find(|predictor| predictor.code() == code)
     }
 
-    /// The value expected after what is `before`.
+    /// The value expected at `x` of a row, after the rows `before` and the last two samples of its own.
     #[inline(always)]
-    pub(super) fn predict(self, before: Before) -> i32 {
-        let here = before.here;
-        let Some((up, above)) = before.up else { return here.median() };
+    pub(super) fn predict(
+        &self,
+        before: &RowsBefore<'_>,
+        x: usize,
+        [west_west, west]: [Option<i32>; 2],
+    ) -> i32 {
         match self {
-            Self::InPlane => here.median(),
+            Self::Trained(weights) => weights.predict(&Differences::new(before, x, west_west, west)),
+            fixed => fixed.predict_after(Before::new(before, x, west)),
+        }
+    }
+
+    #[inline(always)]
+    fn predict_after(&self, Before { here, up }: Before) -> i32 {
+        let Some((up, above)) = up else { return here.median() };
+        match self {
+            Self::InPlane | Self::Trained(_) => here.median(),
             Self::Up => up,
             Self::Planes => median(
                 here.plane(),
@@ -104,71 +137,12 @@ impl Predictor {
             Self::Mean => here.west.wrapping_add(here.north).wrapping_add(up).div_euclid(3),
         }
     }
-
-    /// The predictor that leaves the smallest sum of magnitudes in the low-pass part of `coefficients`.
-    pub(super) fn best(plan: &Plan, coefficients: &[i32]) -> Self {
-        let cost = |predictor: &Self| predictor.cost(plan, coefficients).unwrap_or(u64::MAX);
-        Self::ALL.into_iter().min_by_key(cost).unwrap_or(Self::InPlane)
-    }
-
-    fn cost(self, plan: &Plan, coefficients: &[i32]) -> Option<u64> {
-        let low_pass = plan.subbands(0).next()?;
-        let mut cost = 0_u64;
-        for [y, z] in low_pass.rows() {
-            let start = low_pass.row(plan, y, z);
-            let (before, row) = coefficients.split_at_checked(start)?;
-            let before = RowsBefore::new(plan, low_pass, [y, z], before);
-            let mut west = None;
-            for (x, &value) in row.iter().take(low_pass.sides[0]).enumerate() {
-                let residual = value.wrapping_sub(self.predict(before.at(x, west)));
-                cost = cost.wrapping_add(u64::from(residual.unsigned_abs()));
-                west = Some(value);
-            }
-        }
-        Some(cost)
-    }
-}
-
-/// The rows before a row of the low-pass part; empty where there is none.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowsBefore<'a> {
-    north: &'a [i32],
-    up: &'a [i32],
-    up_north: &'a [i32],
-}
-
-impl<'a> RowsBefore<'a> {
-    /// Those of row `y` of plane `z`, among the coefficients of `plan` that lie `before` it.
-    pub(super) fn new(plan: &Plan, low_pass: Subband, [y, z]: [usize; 2], before: &'a [i32]) -> Self {
-        let row = |y: Option<usize>, z: Option<usize>| {
-            let start = low_pass.row(plan, y?, z?);
-            before.get(start..start.wrapping_add(low_pass.sides[0]))
-        };
-        let (north, up) = (y.checked_sub(1), z.checked_sub(1));
-        Self {
-            north: row(north, Some(z)).unwrap_or(&[]),
-            up: row(Some(y), up).unwrap_or(&[]),
-            up_north: row(north, up).unwrap_or(&[]),
-        }
-    }
-
-    /// What is known before the sample at `x`, given the one `west` of it.
-    #[inline(always)]
-    pub(super) fn at(&self, x: usize, west: Option<i32>) -> Before {
-        let left = x.wrapping_sub(1);
-        let get = |row: &[i32], x: usize| row.get(x).copied();
-        let up = get(self.up, x);
-        let here = Corner::new(west, get(self.north, x), get(self.north, left), up.unwrap_or(0));
-        let above =
-            |up| (up, Corner::new(get(self.up, left), get(self.up_north, x), get(self.up_north, left), up));
-        Before { here, up: up.map(above) }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Extent, Wavelet};
+    use crate::{Extent, Plan, Wavelet};
 
     fn before(plane: [i32; 3], up: i32, above: [i32; 3]) -> Before {
         let corner = |[west, north, north_west]: [i32; 3]| Corner { west, north, north_west };
@@ -178,13 +152,13 @@ mod tests {
     #[test]
     fn predictors_by_hand() {
         let before = before([10, 20, 12], 30, [13, 22, 14]);
-        assert_eq!(Predictor::InPlane.predict(before), 18);
-        assert_eq!(Predictor::Up.predict(before), 30);
+        assert_eq!(Predictor::InPlane.predict_after(before), 18);
+        assert_eq!(Predictor::Up.predict_after(before), 30);
         // Planes 10+20-12 = 18, 10+30-13 = 27, 20+30-22 = 28.
-        assert_eq!(Predictor::Planes.predict(before), 27);
+        assert_eq!(Predictor::Planes.predict_after(before), 27);
         // Changes -3, -2 and -2: their plane is -3.
-        assert_eq!(Predictor::Change.predict(before), 27);
-        assert_eq!(Predictor::Mean.predict(before), 20);
+        assert_eq!(Predictor::Change.predict_after(before), 27);
+        assert_eq!(Predictor::Mean.predict_after(before), 20);
     }
 
     #[test]
@@ -192,7 +166,7 @@ mod tests {
         let plan = Plan::new(Wavelet::Haar, Extent::brick(2, 2, 2).unwrap(), 0).unwrap();
         let samples = [1, 2, 3, 4, 5, 6, 7, 8];
         let low_pass = plan.subbands(0).next().unwrap();
-        let at = |x, y, z, west| RowsBefore::new(&plan, low_pass, [y, z], &samples).at(x, west);
+        let at = |x, y, z, west| Before::new(&RowsBefore::new(&plan, low_pass, [y, z], &samples), x, west);
         let triple = |corner: Corner| [corner.west, corner.north, corner.north_west];
         assert_eq!(triple(at(0, 0, 0, None).here), [0, 0, 0]);
         assert_eq!(triple(at(1, 0, 0, Some(1)).here), [1, 1, 1]);
@@ -203,11 +177,5 @@ mod tests {
         let last = at(1, 1, 1, Some(7));
         assert_eq!(triple(last.here), [7, 6, 5]);
         assert_eq!(last.up.map(|(up, above)| (up, triple(above))), Some((4, [3, 2, 1])));
-    }
-
-    #[test]
-    fn ramps_are_predicted_exactly() {
-        let plan = Plan::new(Wavelet::Haar, Extent::slice(4, 2).unwrap(), 0).unwrap();
-        assert_eq!(Predictor::InPlane.cost(&plan, &[0, 1, 2, 3, 0, 1, 2, 3]), Some(3));
     }
 }

@@ -65,11 +65,10 @@ mod tests {
     #[test]
     fn windows_end_with_the_row() {
         let row = [1, 2, 3, 4];
-        assert_eq!([window::<5>(&row, 0), window(&row, 1), window(&row, 3)], [
-            [1, 1, 1, 2, 3],
-            [1, 1, 2, 3, 4],
-            [2, 3, 4, 4, 4]
-        ]);
+        assert_eq!(
+            [window::<5>(&row, 0), window(&row, 1), window(&row, 3)],
+            [[1, 1, 1, 2, 3], [1, 1, 2, 3, 4], [2, 3, 4, 4, 4]]
+        );
         assert_eq!((window::<1>(&row, 2), window::<3>(&[7], 0), window::<3>(&[], 5)), ([3], [7; 3], [0; 3]));
     }
 
@@ -83,8 +82,14 @@ mod tests {
         let rows = [corner.north, corner.north_north, corner.up, corner.up_up, corner.near_up_south];
         assert!(rows.iter().all(|row| row.is_empty()));
         let second = before(1, 1);
-        assert_eq!((second.north, second.north_north, second.up, second.up_up), (&[3][..], &[3][..], &[1][..], &[1][..]));
-        assert_eq!((second.up_north, second.near_up_north, second.near_up_south), (&[0][..], &[0][..], &[2][..]));
+        assert_eq!(
+            (second.north, second.north_north, second.up, second.up_up),
+            (&[3][..], &[3][..], &[1][..], &[1][..])
+        );
+        assert_eq!(
+            (second.up_north, second.near_up_north, second.near_up_south),
+            (&[0][..], &[0][..], &[2][..])
+        );
         let last = before(2, 2);
         assert_eq!((last.north_north, last.up_up, last.near_up_south), (&[6][..], &[2][..], &[5][..]));
         let top = before(0, 1);

@@ -3,7 +3,8 @@
 use super::BinaryCoder;
 use super::context::{parent_hint, remembered, sibling_hint};
 use super::history::History;
-use super::predict::{Predictor, RowsBefore};
+use super::predict::Predictor;
+use super::rows::RowsBefore;
 use super::symbol::Models;
 use crate::transform::{Plan, Subband};
 
@@ -16,11 +17,6 @@ pub(crate) struct Coefficients<'a> {
 }
 
 impl Coefficients<'_> {
-    /// The predictor that suits the low-pass part.
-    pub(crate) fn best_predictor(&self) -> Predictor {
-        Predictor::best(&self.plan, self.samples)
-    }
-
     /// Runs either direction of the coder over one resolution; the coarser ones are known already.
     ///
     /// `None` never happens: the plan and the lengths of the memory were checked at the door.
@@ -29,7 +25,7 @@ impl Coefficients<'_> {
         coder: &mut C,
         models: &mut Models,
         resolution: u8,
-        predictor: Predictor,
+        predictor: &Predictor,
     ) -> Option<()> {
         for subband in self.plan.subbands(resolution) {
             if subband.orientation == 0 {
@@ -47,20 +43,20 @@ impl Coefficients<'_> {
         coder: &mut C,
         models: &mut Models,
         low_pass: Subband,
-        predictor: Predictor,
+        predictor: &Predictor,
     ) -> Option<()> {
         let (mut history, _) = History::new(low_pass.sides, self.scratch)?;
         for [y, z] in low_pass.rows() {
             let (before, row) = self.samples.split_at_mut_checked(low_pass.row(&self.plan, y, z))?;
             let before = RowsBefore::new(&self.plan, low_pass, [y, z], before);
             let rows = history.rows(y)?;
-            let mut west = None;
+            let [mut west_west, mut west] = [None; 2];
             for ((x, value), (around, place)) in row.iter_mut().enumerate().zip(rows.places()) {
-                let predicted = predictor.predict(before.at(x, west));
+                let predicted = predictor.predict(&before, x, [west_west, west]);
                 let residual = models.code(coder, around.class(0), value.wrapping_sub(predicted));
                 place.set(remembered(residual).cast_signed());
                 *value = predicted.wrapping_add(residual);
-                west = Some(*value);
+                [west_west, west] = [west, Some(*value)];
             }
             history.end_row();
         }

@@ -11,6 +11,9 @@ pub(crate) const WEIGHTS: usize = IN_PLANE + 3 + 3 + 3 + 1;
 /// Weights are in units of 1/256.
 pub(super) const FRACTION_BITS: u32 = 8;
 
+/// The largest magnitude of a weight: 8.
+pub(crate) const LARGEST_WEIGHT: i16 = 8 << FRACTION_BITS;
+
 /// The weights of a codestream, in the order of [`Differences`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -22,21 +25,25 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
+    /// Weights that predict the reference itself.
+    pub(crate) const ZERO: Self = Self { first: [0; IN_PLANE], rest: [0; WEIGHTS] };
+
     /// The value expected after the samples that `differences` tells of.
     #[inline(always)]
     pub(super) fn predict(&self, differences: &Differences) -> i32 {
         let weights = if differences.first_plane { &self.first[..] } else { &self.rest };
         let products = weights.iter().zip(&differences.values);
         let sum = products.map(|(&weight, &value)| i64::from(weight).wrapping_mul(value.into()));
-        let sum = sum.fold(1 << (FRACTION_BITS - 1), i64::wrapping_add);
-        let [low, _] = halves(sum >> FRACTION_BITS);
-        differences.reference.wrapping_add(low)
+        let sum = sum.fold(1 << (FRACTION_BITS - 1), i64::wrapping_add) >> FRACTION_BITS;
+        differences.reference.wrapping_add(wrapped(sum))
     }
 }
 
-fn halves(sum: i64) -> [i32; 2] {
-    let [a, b, c, d, e, f, g, h] = sum.to_le_bytes();
-    [i32::from_le_bytes([a, b, c, d]), i32::from_le_bytes([e, f, g, h])]
+/// The low 32 bits.
+#[inline(always)]
+const fn wrapped(sum: i64) -> i32 {
+    let [a, b, c, d, ..] = sum.to_le_bytes();
+    i32::from_le_bytes([a, b, c, d])
 }
 
 /// Samples before one that is predicted, as differences from the nearest of them, the reference: WW; N with two

@@ -1,7 +1,7 @@
 //! Encoding and decoding of one line, slice or brick.
 
 use super::header::{Header, MAX_STORED_HEADER_BYTES, Segments, Storage};
-use crate::coder::{Coefficients, Decoder, Encoder, Models, Predictor};
+use crate::coder::{Coefficients, Decoder, Encoder, Equations, Models, Predictor};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
 use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
@@ -23,15 +23,17 @@ pub const fn max_encoded_len(extent: Extent, sample_type: SampleType) -> Option<
 #[derive(Debug, PartialEq, Eq)]
 pub struct Codec {
     models: Models,
+    equations: Equations,
 }
 
 impl Codec {
     /// A codec that can be the value of a `static`.
-    pub const NEW: Self = Self { models: Models::NEW };
+    pub const NEW: Self = Self { models: Models::NEW, equations: Equations::NEW };
 
     /// Makes `self` equal to [`Codec::NEW`].
     pub fn reset(&mut self) {
         self.models.reset();
+        self.equations.reset();
     }
 
     /// Encodes `samples` (x fastest) into the beginning of `out` and returns the length of the codestream.
@@ -84,7 +86,7 @@ impl Codec {
         out: &mut [u8],
     ) -> Option<usize> {
         let plan = coefficients.plan;
-        let predictor = coefficients.best_predictor();
+        let predictor = Predictor::best(&plan, coefficients.samples, &mut self.equations);
         let header = |segments| Header::new(sample_type, plan, Storage::Coded(predictor), segments);
         // The header holds the lengths of the segments, so it is written last: the segments go where they begin if
         // every length takes one byte, and are moved up afterwards.
@@ -94,7 +96,7 @@ impl Codec {
         self.models.reset();
         for (resolution, bytes) in (0..).zip(segments.iter_mut()) {
             let mut encoder = Encoder::new(out.get_mut(end..)?);
-            coefficients.code(&mut encoder, &mut self.models, resolution, predictor)?;
+            coefficients.code(&mut encoder, &mut self.models, resolution, &predictor)?;
             let len = encoder.finish()?;
             *bytes = u32::try_from(len).ok()?;
             end = end.checked_add(len)?;
@@ -185,7 +187,7 @@ impl Codec {
         for (resolution, &bytes) in (0..=target.plan.levels()).zip(&header.segments) {
             let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
             let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
-            let coded = target.code(&mut decoder, &mut self.models, resolution, predictor);
+            let coded = target.code(&mut decoder, &mut self.models, resolution, &predictor);
             if coded.is_none() || !decoder.is_consumed() {
                 return Err(Malformed::Segment.into());
             }

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::coder::Predictor;
+use crate::coder::{IN_PLANE, LARGEST_WEIGHT, Predictor, WEIGHTS, Weights};
 use crate::extent::to_usize;
 use crate::{DecodeError, Extent, Malformed, Plan, SampleType, Wavelet};
 
@@ -62,6 +62,7 @@ impl Header {
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
         let plan = fields.plan(wavelet)?;
+        let storage = fields.weights(storage, &plan)?;
         let mut segments = Segments::new();
         let count = if storage == Storage::Stored { 1 } else { plan.levels().wrapping_add(1) };
         for _ in 0..count {
@@ -129,6 +130,17 @@ pub(super) fn stored_bytes(plan: &Plan, sample_type: SampleType) -> Option<u32> 
     u32::try_from(plan.extent().samples().checked_mul(sample_type.bytes())?).ok()
 }
 
+/// Weights in a header: those of the first plane, and those of the others if the low-pass part has any.
+const fn weights_len(plan: &Plan) -> usize {
+    let [_, _, depth] = plan.extent().coarsened(plan.levels()).axes();
+    if depth > 1 { IN_PLANE + WEIGHTS } else { IN_PLANE }
+}
+
+/// A weight as a number: 0, 1, 2, 3, 4, … for 0, -1, 1, -2, 2, …
+fn weight_number(weight: i16) -> u32 {
+    u32::from(weight.unsigned_abs()).wrapping_mul(2).wrapping_sub(u32::from(weight < 0))
+}
+
 /// Takes fields from the beginning of a codestream.
 struct Fields<'a> {
     bytes: &'a [u8],
@@ -160,11 +172,33 @@ impl Fields<'_> {
         Err(Malformed::Number.into())
     }
 
+    /// How the samples are held; the weights of a trained predictor follow later.
     fn storage(&mut self) -> Result<Storage, DecodeError> {
-        match self.byte()? {
-            STORED => Ok(Storage::Stored),
-            code => Ok(Storage::Coded(Predictor::from_code(code).ok_or(Malformed::Reserved)?)),
+        Ok(match self.byte()? {
+            STORED => Storage::Stored,
+            Predictor::TRAINED => Storage::Coded(Predictor::Trained(Weights::ZERO)),
+            code => Storage::Coded(Predictor::from_code(code).ok_or(Malformed::Reserved)?),
+        })
+    }
+
+    /// `storage` with the weights that it promises.
+    fn weights(&mut self, mut storage: Storage, plan: &Plan) -> Result<Storage, DecodeError> {
+        if let Storage::Coded(Predictor::Trained(weights)) = &mut storage {
+            for weight in weights.first.iter_mut().chain(&mut weights.rest).take(weights_len(plan)) {
+                *weight = self.weight()?;
+            }
         }
+        Ok(storage)
+    }
+
+    /// A weight; see [`weight_number`].
+    fn weight(&mut self) -> Result<i16, DecodeError> {
+        let number = self.number()?;
+        let magnitude = i16::try_from(number.div_ceil(2)).map_err(|_| Malformed::Weight)?;
+        if magnitude > LARGEST_WEIGHT {
+            return Err(Malformed::Weight.into());
+        }
+        Ok(if number % 2 == 1 { magnitude.wrapping_neg() } else { magnitude })
     }
 
     /// The type in the low half of the byte, the wavelet in the high half: 0 for none.
@@ -195,8 +229,9 @@ const NO_WAVELET: Wavelet = Wavelet::Haar;
 /// The storage field of stored samples.
 const STORED: u8 = 0x80;
 
-/// Bytes of the longest header: the fixed fields, the extent, and a length per segment.
-pub(super) const MAX_HEADER_BYTES: usize = MAGIC.len() + 4 + NUMBER_BYTES * (3 + MAX_SEGMENTS);
+/// Bytes of the longest header: the fixed fields, the extent, weights of up to two bytes, a length per segment.
+const MAX_HEADER_BYTES: usize =
+    MAGIC.len() + 4 + NUMBER_BYTES * (3 + MAX_SEGMENTS) + 2 * (IN_PLANE + WEIGHTS);
 
 /// Bytes of the longest header with one segment.
 pub(super) const MAX_STORED_HEADER_BYTES: usize = MAGIC.len() + 4 + NUMBER_BYTES * (3 + 1);
@@ -250,11 +285,18 @@ impl Header {
         };
         let wavelet = if plan.levels() == 0 { 0 } else { plan.wavelet().code() };
         let fixed = [VERSION, storage, wavelet << 4 | self.sample_type.code(), plan.levels()];
-        let numbers = plan.extent().axes().into_iter().chain(self.segments.iter().copied());
         // Neither call can fail: `Bytes` holds the longest header.
         let _ = bytes.extend_from_slice(&MAGIC);
         let _ = bytes.extend_from_slice(&fixed);
-        for number in numbers {
+        for number in plan.extent().axes() {
+            push_number(&mut bytes, number);
+        }
+        if let Storage::Coded(Predictor::Trained(weights)) = &self.storage {
+            for &weight in weights.first.iter().chain(&weights.rest).take(weights_len(plan)) {
+                push_number(&mut bytes, weight_number(weight));
+            }
+        }
+        for &number in &self.segments {
             push_number(&mut bytes, number);
         }
         bytes
