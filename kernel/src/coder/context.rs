@@ -5,64 +5,81 @@ use crate::extent::to_usize;
 /// Classes: 0 to 3 for weighted sums 0 to 3, then two an octave.
 pub(super) const CLASSES: usize = 32;
 
-/// Magnitudes are remembered up to this: sums stay small, and larger ones are of the last class anyway.
-const LARGEST: u32 = 1 << 16;
+/// Contexts of a sign: three signs of neighbours, each negative, zero or positive.
+pub(super) const SIGN_CONTEXTS: usize = 27;
+
+/// Values are remembered up to this magnitude: sums stay small, and larger ones are of the last class anyway.
+const LARGEST: i32 = 1 << 16;
 
 /// Weight of a sibling's magnitude in a hint.
-const SIBLING: u32 = 3;
+const SIBLING: i32 = 3;
 
 /// Weight of the parent's magnitude in a hint.
-const PARENT: u32 = 2;
+const PARENT: i32 = 2;
 
-/// The magnitude of `value` as it is remembered.
+/// `value` as it is remembered.
 #[inline(always)]
-pub(super) fn remembered(value: i32) -> u32 {
-    value.unsigned_abs().min(LARGEST)
+pub(super) fn remembered(value: i32) -> i32 {
+    value.clamp(LARGEST.wrapping_neg(), LARGEST)
 }
 
-/// What siblings and a parent add to the weighted sum.
+/// What a sibling of that value adds to the weighted sum.
 #[inline(always)]
-pub(super) fn sibling_hint(value: i32) -> u32 {
-    remembered(value).wrapping_mul(SIBLING)
+pub(super) fn sibling_hint(value: i32) -> i32 {
+    remembered(value).wrapping_abs().wrapping_mul(SIBLING)
 }
 
-/// See [`sibling_hint`].
+/// What a parent of that value adds to the weighted sum.
 #[inline(always)]
-pub(super) fn parent_hint(value: i32) -> u32 {
-    remembered(value).wrapping_mul(PARENT)
+pub(super) fn parent_hint(value: i32) -> i32 {
+    remembered(value).wrapping_abs().wrapping_mul(PARENT)
 }
 
-/// Remembered magnitudes around a coefficient of a subband; zero beyond its borders.
+/// Remembered values around a coefficient of a subband; zero beyond its borders.
 ///
 /// Up is the plane before. East and south of the current place only that plane is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Around {
-    pub(super) west: u32,
-    pub(super) north: u32,
-    pub(super) up: u32,
-    pub(super) north_west: u32,
-    pub(super) north_east: u32,
-    pub(super) up_east: u32,
-    pub(super) up_south: u32,
-    pub(super) west_west: u32,
-    pub(super) north_north: u32,
+    pub(super) west: i32,
+    pub(super) north: i32,
+    pub(super) up: i32,
+    pub(super) north_west: i32,
+    pub(super) north_east: i32,
+    pub(super) up_east: i32,
+    pub(super) up_south: i32,
+    pub(super) west_west: i32,
+    pub(super) north_north: i32,
+}
+
+/// What the probabilities of a value depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Context {
+    /// How large it is expected to be, below [`CLASSES`].
+    pub(super) class: usize,
+    /// Signs of its neighbours, below [`SIGN_CONTEXTS`].
+    pub(super) signs: usize,
 }
 
 impl Around {
-    /// The class: of 4 (W + N + U) + 2 (NW + NE + UE + US) + WW + NN + hint.
+    /// The context: the class of 4 (W + N + U) + 2 (NW + NE + UE + US) + WW + NN + hint, of magnitudes, and the
+    /// signs of W, N and U.
     #[inline(always)]
-    pub(super) fn class(&self, hint: u32) -> usize {
-        let near = self.west.wrapping_add(self.north).wrapping_add(self.up);
-        let next = self
-            .north_west
-            .wrapping_add(self.north_east)
-            .wrapping_add(self.up_east)
-            .wrapping_add(self.up_south);
-        let far = self.west_west.wrapping_add(self.north_north);
-        let sum =
-            near.wrapping_mul(4).wrapping_add(next.wrapping_mul(2)).wrapping_add(far).wrapping_add(hint);
-        class_of(sum)
+    pub(super) fn context(&self, hint: i32) -> Context {
+        let near = sum_of([self.west, self.north, self.up]);
+        let next = sum_of([self.north_west, self.north_east, self.up_east, self.up_south]);
+        let far = sum_of([self.west_west, self.north_north]);
+        let sum = sum_of([near.wrapping_mul(4), next.wrapping_mul(2), far, hint]);
+        let signs =
+            [self.west, self.north, self.up].map(|value| value.signum().wrapping_add(1).cast_unsigned());
+        let signs = signs.into_iter().fold(0_u32, |signs, sign| signs.wrapping_mul(3).wrapping_add(sign));
+        Context { class: class_of(sum.cast_unsigned()), signs: to_usize(signs) }
     }
+}
+
+/// The sum of the magnitudes.
+#[inline(always)]
+fn sum_of<const N: usize>(values: [i32; N]) -> i32 {
+    values.into_iter().fold(0, |sum: i32, value| sum.wrapping_add(value.wrapping_abs()))
 }
 
 #[inline(always)]
@@ -88,8 +105,8 @@ mod tests {
 
     #[test]
     fn the_cap_changes_no_class() {
-        assert_eq!(class_of(LARGEST), CLASSES - 1);
-        let most = u64::from(LARGEST) * (3 * 4 + 4 * 2 + 2 + 6 * u64::from(SIBLING) + u64::from(PARENT));
-        assert!(most <= u64::from(u32::MAX));
+        assert_eq!(class_of(LARGEST.cast_unsigned()), CLASSES - 1);
+        let most = i64::from(LARGEST) * i64::from(3 * 4 + 4 * 2 + 2 + 6 * SIBLING + PARENT);
+        assert!(most <= i64::from(i32::MAX));
     }
 }

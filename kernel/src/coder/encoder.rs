@@ -11,16 +11,20 @@ pub(super) const RAW_BITS: u32 = 8;
 
 /// Writes one codeword: a number in [0, 1), base 256, most significant byte first, trailing zero bytes left out.
 ///
-/// The codeword lies in `low .. low + range`, in units of the last byte kept; everything above is in `out` already.
-/// A carry out of `low` is added to the bytes in `out`, which cannot overflow since the number stays below 1.
+/// The number lies in `low .. low + range`, in units of the last byte shifted out; everything above is in `out`, or
+/// held back: a run of zeros, which are not written if nothing follows, then a run of 0xFF, which a carry would turn
+/// into zeros. So the last byte in `out` is neither, a carry changes that byte alone, and no byte is written that is
+/// taken back.
 #[derive(Debug)]
 pub(crate) struct Encoder<'a> {
     out: &'a mut [u8],
     /// Bytes written.
     len: usize,
-    /// Zero bytes that follow them and are not written yet: at the end they never are.
+    /// Bytes 0 held back.
     zeros: usize,
-    /// A byte did not fit; nothing is written from then on.
+    /// Bytes 0xFF held back, after the zeros.
+    ones: usize,
+    /// A byte did not fit; what is written from then on is meaningless.
     full: bool,
     low: u32,
     range: u32,
@@ -29,7 +33,7 @@ pub(crate) struct Encoder<'a> {
 impl<'a> Encoder<'a> {
     /// Starts a codeword at the beginning of `out`.
     pub(crate) const fn new(out: &'a mut [u8]) -> Self {
-        Self { out, len: 0, zeros: 0, full: false, low: 0, range: u32::MAX }
+        Self { out, len: 0, zeros: 0, ones: 0, full: false, low: 0, range: u32::MAX }
     }
 
     /// Ends the codeword in as few bytes as it takes and returns their number; `None` if the output was too short.
@@ -37,12 +41,11 @@ impl<'a> Encoder<'a> {
         // The smallest multiple of 2^24 in low .. low + range: one more byte, and zeros that need not be written.
         self.add(self.low.wrapping_neg() % MIN_RANGE);
         let [last, ..] = self.low.to_be_bytes();
-        self.push(last);
-        if self.full {
-            return None;
+        self.shift_out(last);
+        if self.ones > 0 {
+            self.write_held();
         }
-        let written = self.out.get(..self.len)?;
-        Some(written.iter().rposition(|&byte| byte != 0).map_or(0, |last| last.wrapping_add(1)))
+        (!self.full).then_some(self.len)
     }
 
     #[inline(always)]
@@ -56,44 +59,64 @@ impl<'a> Encoder<'a> {
 
     #[cold]
     fn carry(&mut self) {
+        let ones = core::mem::take(&mut self.ones);
         if let Some(zeros) = self.zeros.checked_sub(1) {
             self.zeros = zeros;
-            self.push(1);
-            return;
+            self.write_held();
+            self.write(1);
+        } else if let Some(last) = self.len.checked_sub(1).and_then(|last| self.out.get_mut(last)) {
+            *last = last.wrapping_add(1);
         }
-        for byte in self.out.iter_mut().take(self.len).rev() {
-            *byte = byte.wrapping_add(1);
-            if *byte != 0 {
-                break;
-            }
-        }
+        self.zeros = ones;
     }
 
     #[inline(always)]
     fn renormalize(&mut self) {
         while self.range < MIN_RANGE {
             let [byte, ..] = self.low.to_be_bytes();
-            self.push(byte);
+            self.shift_out(byte);
             self.low <<= 8;
             self.range <<= 8;
         }
     }
 
     #[inline(always)]
-    fn push(&mut self, byte: u8) {
-        if byte == 0 {
-            self.zeros = self.zeros.wrapping_add(1);
-            return;
-        }
-        let end = self.len.wrapping_add(self.zeros);
-        match self.out.get_mut(self.len..=end) {
-            Some([zeros @ .., last]) if !self.full => {
-                zeros.fill(0);
-                *last = byte;
-                self.len = end.wrapping_add(1);
-                self.zeros = 0;
+    fn shift_out(&mut self, byte: u8) {
+        match byte {
+            0 => {
+                if self.ones > 0 {
+                    self.write_held();
+                }
+                self.zeros = self.zeros.wrapping_add(1);
             }
-            _ => self.full = true,
+            0xFF => self.ones = self.ones.wrapping_add(1),
+            _ => {
+                if self.zeros | self.ones != 0 {
+                    self.write_held();
+                }
+                self.write(byte);
+            }
+        }
+    }
+
+    #[cold]
+    fn write_held(&mut self) {
+        for _ in 0..core::mem::take(&mut self.zeros) {
+            self.write(0);
+        }
+        for _ in 0..core::mem::take(&mut self.ones) {
+            self.write(0xFF);
+        }
+    }
+
+    #[inline(always)]
+    fn write(&mut self, byte: u8) {
+        match self.out.get_mut(self.len) {
+            Some(slot) => {
+                *slot = byte;
+                self.len = self.len.wrapping_add(1);
+            }
+            None => self.full = true,
         }
     }
 }

@@ -1,11 +1,11 @@
-//! The magnitudes coded last in a subband, in scratch.
+//! The values coded last in a subband, in scratch.
 
 use core::cell::Cell;
 
 use super::context::Around;
 use crate::transform::Plan;
 
-/// Columns and rows of zeros kept around the magnitudes.
+/// Columns and rows of zeros kept around the values.
 const MARGIN: usize = 2;
 
 /// Rows that a subband of one plane keeps: two above, the current one, one below.
@@ -15,24 +15,24 @@ const FLAT_ROWS: usize = 4;
 pub(crate) const fn history_len(plan: &Plan) -> usize {
     let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
     let [x, _, _] = largest;
-    magnitudes_len(largest).saturating_add(x)
+    values_len(largest).saturating_add(x)
 }
 
 const fn stride(x: usize) -> usize {
     x.saturating_add(2 * MARGIN)
 }
 
-const fn magnitudes_len([x, y, z]: [usize; 3]) -> usize {
+const fn values_len([x, y, z]: [usize; 3]) -> usize {
     stride(x).saturating_mul(if z > 1 { y.saturating_add(MARGIN + 1) } else { FLAT_ROWS })
 }
 
-/// One plane of magnitudes within a margin of zeros.
+/// One plane of values within a margin of zeros.
 ///
 /// Up to the current coefficient they are those of the current plane, from there on still those of the plane before.
 /// A subband of one plane keeps four rows only, and moves them up after each.
 #[derive(Debug)]
 pub(super) struct History<'a> {
-    magnitudes: &'a mut [i32],
+    values: &'a mut [i32],
     stride: usize,
     flat: bool,
 }
@@ -41,15 +41,15 @@ impl<'a> History<'a> {
     /// An empty history for a subband of `sides`, and a row of hints, both out of `scratch`.
     pub(super) fn new(sides: [usize; 3], scratch: &'a mut [i32]) -> Option<(Self, &'a mut [i32])> {
         let [x, _, z] = sides;
-        let (magnitudes, hints) = scratch.split_at_mut_checked(magnitudes_len(sides))?;
-        magnitudes.fill(0);
-        Some((Self { magnitudes, stride: stride(x), flat: z == 1 }, hints.get_mut(..x)?))
+        let (values, hints) = scratch.split_at_mut_checked(values_len(sides))?;
+        values.fill(0);
+        Some((Self { values, stride: stride(x), flat: z == 1 }, hints.get_mut(..x)?))
     }
 
     /// The rows around row `y` of the current plane.
     pub(super) fn rows(&mut self, y: usize) -> Option<Rows<'_>> {
         let above = if self.flat { 0 } else { y.wrapping_mul(self.stride) };
-        let (north_north, rest) = self.magnitudes.get_mut(above..)?.split_at_mut_checked(self.stride)?;
+        let (north_north, rest) = self.values.get_mut(above..)?.split_at_mut_checked(self.stride)?;
         let (north, rest) = rest.split_at_mut_checked(self.stride)?;
         let (here, rest) = rest.split_at_mut_checked(self.stride)?;
         let south = rest.get(..self.stride)?;
@@ -61,9 +61,9 @@ impl<'a> History<'a> {
         if !self.flat {
             return;
         }
-        self.magnitudes.copy_within(self.stride.., 0);
+        self.values.copy_within(self.stride.., 0);
         let below = self.stride.wrapping_mul(MARGIN);
-        self.magnitudes.get_mut(below..).unwrap_or(&mut []).fill(0);
+        self.values.get_mut(below..).unwrap_or(&mut []).fill(0);
     }
 }
 
@@ -77,7 +77,7 @@ pub(super) struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// For each coefficient of the row in turn: what is around it, and the place of its own magnitude.
+    /// For each coefficient of the row in turn: what is around it, and the place of its own value.
     pub(super) fn places(&self) -> impl Iterator<Item = (Around, &Cell<i32>)> {
         let columns = self.north_north.iter().skip(MARGIN).zip(self.south.iter().skip(MARGIN));
         let windows = self.north.array_windows::<5>().zip(self.here.array_windows::<5>());
@@ -85,15 +85,15 @@ impl Rows<'_> {
             |((&[_, north_west, north, north_east, _], here), (&north_north, &south))| {
                 let [west_west, west, place, east, _] = here;
                 let around = Around {
-                    west: west.get().cast_unsigned(),
-                    north: north.cast_unsigned(),
-                    up: place.get().cast_unsigned(),
-                    north_west: north_west.cast_unsigned(),
-                    north_east: north_east.cast_unsigned(),
-                    up_east: east.get().cast_unsigned(),
-                    up_south: south.cast_unsigned(),
-                    west_west: west_west.get().cast_unsigned(),
-                    north_north: north_north.cast_unsigned(),
+                    west: west.get(),
+                    north,
+                    up: place.get(),
+                    north_west,
+                    north_east,
+                    up_east: east.get(),
+                    up_south: south,
+                    west_west: west_west.get(),
+                    north_north,
                 };
                 (around, place)
             },
@@ -131,8 +131,8 @@ mod tests {
     fn a_slice_keeps_two_rows() {
         let mut scratch = [0; 64];
         let (mut history, _) = History::new([3, 9, 1], &mut scratch).unwrap();
-        for (row, magnitude) in [(1, 1), (2, 2), (3, 3)] {
-            history.rows(row).unwrap().places().for_each(|(_, place)| place.set(magnitude));
+        for (row, value) in [(1, 1), (2, 2), (3, 3)] {
+            history.rows(row).unwrap().places().for_each(|(_, place)| place.set(value));
             history.end_row();
         }
         let rows = history.rows(3).unwrap();

@@ -53,8 +53,8 @@ impl Coefficients<'_> {
             let [mut west_west, mut west] = [None; 2];
             for ((x, value), (around, place)) in row.iter_mut().enumerate().zip(rows.places()) {
                 let predicted = predictor.predict(&before, x, [west_west, west]);
-                let residual = models.code(coder, around.class(0), value.wrapping_sub(predicted));
-                place.set(remembered(residual).cast_signed());
+                let residual = models.code(coder, around.context(0), value.wrapping_sub(predicted));
+                place.set(remembered(residual));
                 *value = predicted.wrapping_add(residual);
                 [west_west, west] = [west, Some(*value)];
             }
@@ -76,9 +76,9 @@ impl Coefficients<'_> {
             family.hint(&self.plan, [y, z], self.samples, hints);
             let row = self.samples.get_mut(subband.row(&self.plan, y, z)..)?;
             let rows = history.rows(y)?;
-            for ((value, hint), (around, place)) in row.iter_mut().zip(hints.iter()).zip(rows.places()) {
-                *value = models.code(coder, around.class(hint.cast_unsigned()), *value);
-                place.set(remembered(*value).cast_signed());
+            for ((value, &hint), (around, place)) in row.iter_mut().zip(hints.iter()).zip(rows.places()) {
+                *value = models.code(coder, around.context(hint), *value);
+                place.set(remembered(*value));
             }
             history.end_row();
         }
@@ -117,14 +117,14 @@ impl Family {
         };
         for row in self.siblings.iter().filter_map(|sibling| row_of(sibling, y, z)) {
             for (hint, &value) in hints.iter_mut().zip(row) {
-                *hint = hint.wrapping_add(sibling_hint(value).cast_signed());
+                *hint = hint.wrapping_add(sibling_hint(value));
             }
         }
         if let Some(row) = self.parent.as_ref().and_then(|parent| row_of(parent, y / 2, z / 2)) {
             let children = hints.chunks_mut(2);
             for (children, &value) in children.zip(row) {
                 for hint in children {
-                    *hint = hint.wrapping_add(parent_hint(value).cast_signed());
+                    *hint = hint.wrapping_add(parent_hint(value));
                 }
             }
         }

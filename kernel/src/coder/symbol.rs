@@ -3,7 +3,7 @@
 //! Is it zero? Its sign, then the exponent e = floor(log2 |v|) in unary (is it above 0? above 1? …), then the e bits of |v|
 //! below its leading one: the first two under adaptive probabilities, the rest raw.
 
-use super::context::CLASSES;
+use super::context::{CLASSES, Context, SIGN_CONTEXTS};
 use super::model::Probability;
 use super::{BinaryCoder, low_bits};
 use crate::extent::to_usize;
@@ -16,6 +16,8 @@ const EXPONENTS: usize = 20;
 pub(crate) struct Models {
     /// Is the coefficient other than zero? By class.
     nonzero: [Probability; CLASSES],
+    /// Is it negative? By the signs of its neighbours.
+    negative: [Probability; SIGN_CONTEXTS],
     /// Is the exponent above k? By class and k.
     above: [[Probability; EXPONENTS]; CLASSES],
     /// The two bits below the leading one, by exponent: the first, the second after a 0, the second after a 1.
@@ -26,6 +28,7 @@ impl Models {
     #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
     pub(crate) const NEW: Self = Self {
         nonzero: [Probability::NEW; CLASSES],
+        negative: [Probability::NEW; SIGN_CONTEXTS],
         above: [[Probability::NEW; EXPONENTS]; CLASSES],
         mantissa: [[Probability::NEW; 3]; EXPONENTS],
     };
@@ -33,20 +36,25 @@ impl Models {
     /// Makes `self` equal to [`Models::NEW`].
     pub(crate) fn reset(&mut self) {
         self.nonzero.fill(Probability::NEW);
+        self.negative.fill(Probability::NEW);
         self.above.as_flattened_mut().fill(Probability::NEW);
         self.mantissa.as_flattened_mut().fill(Probability::NEW);
     }
 
-    /// Codes one value of the class `class`, below [`CLASSES`].
+    /// Codes one value.
     #[inline(always)]
-    pub(super) fn code<C: BinaryCoder>(&mut self, coder: &mut C, class: usize, value: i32) -> i32 {
-        let (Some(nonzero), Some(above)) = (self.nonzero.get_mut(class), self.above.get_mut(class)) else {
+    pub(super) fn code<C: BinaryCoder>(&mut self, coder: &mut C, context: Context, value: i32) -> i32 {
+        let (Some(nonzero), Some(negative), Some(above)) = (
+            self.nonzero.get_mut(context.class),
+            self.negative.get_mut(context.signs),
+            self.above.get_mut(context.class),
+        ) else {
             return 0;
         };
         if !coder.decide(value != 0, nonzero) {
             return 0;
         }
-        let negative = coder.raw(u32::from(value < 0), 1) == 1;
+        let negative = coder.decide(value < 0, negative);
         let magnitude = value.unsigned_abs();
         let exponent = code_exponent(coder, above, magnitude.checked_ilog2().unwrap_or(0));
         let mantissa = self.mantissa.get_mut(to_usize(exponent).min(EXPONENTS - 1));
@@ -93,6 +101,10 @@ mod tests {
     use super::super::{Decoder, Encoder};
     use super::*;
 
+    fn context(i: usize) -> Context {
+        Context { class: i % CLASSES, signs: i % SIGN_CONTEXTS }
+    }
+
     #[test]
     fn every_magnitude_comes_back() {
         let powers = (0..32).map(|exponent| 1_i32 << exponent);
@@ -102,14 +114,14 @@ mod tests {
         let (mut models, mut bytes) = (Models::NEW, [0; 1000]);
         let mut encoder = Encoder::new(&mut bytes);
         for (i, &value) in values.iter().enumerate() {
-            models.code(&mut encoder, i % CLASSES, value);
+            models.code(&mut encoder, context(i), value);
         }
         let len = encoder.finish().unwrap();
         models.reset();
         assert_eq!(models, Models::NEW);
         let mut decoder = Decoder::new(&bytes[..len]).unwrap();
         for (i, &value) in values.iter().enumerate() {
-            assert_eq!(models.code(&mut decoder, i % CLASSES, 0), value);
+            assert_eq!(models.code(&mut decoder, context(i), 0), value);
         }
         assert!(decoder.is_consumed());
     }

@@ -1,0 +1,14 @@
+//! The command line: what it takes, what it says, which exit codes it ends with, and that no fault leaves half a file.
+
+mod faults;
+mod files;
+mod formats;
+#[cfg(unix)]
+mod interrupted;
+mod parts;
+#[cfg(unix)]
+mod pipes;
+mod program;
+mod reports;
+mod run;
+mod transform;

@@ -1,0 +1,53 @@
+//! Pipes and devices in place of files.
+
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+use crate::files::{nrrd, smooth_u16};
+use crate::program;
+use crate::run::Folder;
+
+#[test]
+fn volumes_come_and_go_through_pipes() {
+    let folder = Folder::new();
+    let samples = smooth_u16([20, 13, 6]);
+    folder.write("in.raw", &samples);
+    let layout = "--extent 20x13x6 --type u16";
+    folder.run(&format!("compress in.raw a.wlift {layout}")).silent();
+    folder.shell(&format!("cat in.raw | wavelift compress /dev/stdin b.wlift {layout}")).silent();
+    assert_eq!(folder.read("b.wlift"), folder.read("a.wlift"));
+    folder.shell(&format!("wavelift compress in.raw /dev/stdout {layout} | cat > c.wlift")).silent();
+    assert_eq!(folder.read("c.wlift"), folder.read("a.wlift"));
+    folder.shell("wavelift decompress a.wlift /dev/stdout | cat > out.raw").silent();
+    assert_eq!(folder.read("out.raw"), samples);
+}
+
+#[test]
+fn a_pipe_with_too_few_or_too_many_samples_is_refused() {
+    let folder = Folder::new();
+    folder.write("in.raw", [0; 100]);
+    for extent in ["99", "101"] {
+        let outcome = folder
+            .shell(&format!("cat in.raw | wavelift compress /dev/stdin a.wlift --extent {extent} --type u8"));
+        outcome.fails(2, &["/dev/stdin", extent, "--extent"]);
+    }
+    assert_eq!(folder.everything().len(), 1);
+}
+
+#[test]
+fn a_reader_may_go_away() {
+    let folder = Folder::new();
+    let many = "k:=".to_owned() + &"v".repeat(1 << 19);
+    let lines = ["NRRD0004", "type: uint8", "dimension: 1", "sizes: 3", "encoding: raw", &many];
+    folder.write("in.nrrd", nrrd(&lines, &[1, 2, 3]));
+    folder.run("compress in.nrrd a.wlift").silent();
+    for line in ["info a.wlift", "info a.wlift --json"] {
+        let mut command = folder.command(program::path());
+        command.args(line.split(' ')).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut first = String::new();
+        BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty() && !first.is_empty(), "{output:?}");
+    }
+}

@@ -1,0 +1,152 @@
+//! What the program says: text for people, JSON for scripts, and nothing where nobody asked.
+
+use serde_json::{Value, json};
+
+use crate::files::{nrrd, smooth_u16};
+use crate::run::Folder;
+
+/// A folder with a volume, `in.nrrd`, and the same compressed, `a.wlift`.
+fn compressed() -> Folder {
+    let folder = Folder::new();
+    let mut lines =
+        vec!["NRRD0004", "type: uint16", "dimension: 3", "sizes: 20 13 6", "endian: little", "encoding: raw"];
+    lines.extend(["spacings: 0.5 1 3", "content: a hill", "# measured twice", "operator:=J. Doe"]);
+    folder.write("in.nrrd", nrrd(&lines, &smooth_u16([20, 13, 6])));
+    folder.run("compress in.nrrd a.wlift --wavelet cubic --brick 8").silent();
+    folder
+}
+
+#[test]
+fn compress_reports_sizes_and_choices() {
+    let folder = compressed();
+    let document = folder.run("compress in.nrrd b.wlift --wavelet cubic --brick 8 --json").json();
+    let bytes = folder.read("b.wlift").len();
+    assert_eq!(folder.read("a.wlift").len(), bytes);
+    assert_eq!(document["extent"], json!([20, 13, 6]));
+    assert_eq!((&document["input"], &document["output"]), (&json!("in.nrrd"), &json!("b.wlift")));
+    assert_eq!(document["type"], "u16");
+    assert!((document["bits_per_sample"].as_f64().unwrap() - 8.0 * bytes as f64 / 1560.0).abs() < 1e-9);
+    let document = document.to_string();
+    for part in [format!(":{bytes}"), ":3120".into(), "\"cubic\"".into(), "\"levels\":3".into()] {
+        assert!(document.contains(&part), "{part}: {document}");
+    }
+}
+
+#[test]
+fn decompress_reports_what_was_written() {
+    let folder = compressed();
+    let document = folder.run("decompress a.wlift out.nrrd --level 1 --json").json();
+    assert_eq!(document["extent"], json!([10, 7, 3]));
+    assert_eq!((&document["type"], &document["format"]), (&json!("u16"), &json!("NRRD")));
+    assert_eq!(document["bytes"], 420);
+    assert_eq!(document["not_kept"], json!([]));
+}
+
+#[test]
+fn info_tells_all_that_the_file_says() {
+    let folder = compressed();
+    let text = folder.run("info a.wlift").ok();
+    let expected = [
+        "20 x 13 x 6",
+        "u16",
+        "cubic",
+        "3 levels",
+        "12 of 8 x 8 x 6",
+        "NRRD",
+        "little",
+        "spacings: 0.5 1 3",
+        "a hill",
+        "measured twice",
+        "J. Doe",
+        "bits a sample",
+    ];
+    for part in expected {
+        assert!(text.stdout().contains(part), "{part}: {}", text.stdout());
+    }
+    assert_eq!(text.stderr(), "");
+    let document = folder.run("info a.wlift --json").json();
+    let expected: [(&str, Value); 10] = [
+        ("extent", json!([20, 13, 6])),
+        ("type", json!("u16")),
+        ("wavelet", json!("cubic")),
+        ("levels", json!(3)),
+        ("brick", json!([8, 8, 6])),
+        ("bricks", json!(6)),
+        ("bytes", json!(folder.read("a.wlift").len())),
+        ("sample_bytes", json!(3120)),
+        ("spacing", json!([0.5, 1.0, 3.0])),
+        ("name", json!("a hill")),
+    ];
+    for (field, value) in expected {
+        assert_eq!(document[field], value, "{field}: {document}");
+    }
+    assert_eq!(document["source"]["format"], "NRRD");
+    assert!(document["header"].to_string().contains("J. Doe"));
+}
+
+#[test]
+fn verify_tells_what_was_checked_and_what_differs() {
+    let folder = compressed();
+    let checked = folder.run("verify a.wlift").ok();
+    assert!(checked.stdout().starts_with("a.wlift: 6 bricks"), "{}", checked.stdout());
+    let compared = folder.run("verify a.wlift in.nrrd").ok();
+    assert!(compared.stdout().contains("equal to in.nrrd"), "{}", compared.stdout());
+    let document = folder.run("verify a.wlift in.nrrd --json").json();
+    assert_eq!((&document["original"], &document["whole"]), (&json!("in.nrrd"), &json!(true)));
+    assert_eq!(folder.run("verify a.wlift --json").json()["bricks"], 6);
+
+    let mut changed = smooth_u16([20, 13, 6]);
+    changed[2 * (7 + 20 * (4 + 13 * 2))] ^= 1;
+    folder.write("other.raw", changed);
+    let layout = "--extent 20x13x6 --type u16";
+    folder.run(&format!("verify a.wlift other.raw {layout}")).fails(3, &["other.raw", "(7, 4, 2)"]);
+    let other = "--extent 13x20x6 --type u16";
+    folder.run(&format!("verify a.wlift other.raw {other}")).fails(3, &["other.raw", "13x20x6", "20x13x6"]);
+    folder.run("verify a.wlift other.raw --extent 20x13x6 --type i16").fails(3, &["other.raw", "i16", "u16"]);
+}
+
+#[test]
+fn tables_are_text_json_and_a_picture() {
+    let folder = compressed();
+    let text = folder.run("tables in.nrrd --levels 2 --svg tables.svg").ok();
+    for part in ["in.nrrd", "20x13x6", "psi_H", "quintic", "none", "Smallest stream"] {
+        assert!(text.stdout().contains(part), "{part}: {}", text.stdout());
+    }
+    let picture = String::from_utf8(folder.read("tables.svg")).unwrap();
+    assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
+    assert!(picture.contains("quadratic"));
+
+    let document = folder.run("tables in.nrrd --json").json();
+    let table = &document["tables"][0];
+    assert_eq!((&table["extent"], &table["raw_bytes"]), (&json!([20, 13, 6]), &json!(3120)));
+    let rows = table["rows"].as_array().unwrap();
+    let names: Vec<_> = rows.iter().map(|row| row["wavelet"].as_str().unwrap()).collect();
+    assert_eq!(names, ["haar", "quadratic", "duchaineau", "linear", "cubic", "quintic", "none"]);
+    assert!(rows.iter().all(|row| row["stream_bytes"].as_u64().is_some_and(|bytes| bytes > 0)));
+}
+
+#[test]
+fn the_built_in_tables_are_those_of_the_dissertation() {
+    let folder = Folder::new();
+    let text = folder.run("tables").ok();
+    for part in ["512x512", "64x64x64", "Table 3.5", "Table 3.6"] {
+        assert!(text.stdout().contains(part), "{part}: {}", text.stdout());
+    }
+    let document = folder.run("tables --json").json();
+    let references =
+        document["tables"].as_array().unwrap().iter().map(|table| table["reference"].as_str().unwrap());
+    assert_eq!(references.collect::<Vec<_>>(), ["Table 3.5", "Table 3.6"]);
+}
+
+#[test]
+fn help_and_version_are_at_hand() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("--version").ok().stdout(), concat!("wavelift ", env!("CARGO_PKG_VERSION"), "\n"));
+    let help = folder.run("--help").ok();
+    assert!(help.stdout().contains("Exit codes: 0"));
+    for command in ["compress", "decompress", "info", "verify", "tables", "transform"] {
+        assert!(help.stdout().contains(command));
+        let help = folder.run(&format!("{command} --help")).ok();
+        assert!(help.stdout().contains("Examples:") && help.stderr().is_empty(), "{command}");
+    }
+}
