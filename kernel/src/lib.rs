@@ -37,6 +37,7 @@ mod extent;
 #[cfg(feature = "embedded-io")]
 pub mod io;
 pub mod lifting;
+mod memory;
 pub mod metric;
 #[cfg(feature = "serde")]
 pub mod record;

@@ -34,7 +34,7 @@ impl Predictor {
     /// Bits that the residuals of every so many rows take, about: the length of an Elias gamma code each.
     fn cost(&self, plan: &Plan, low_pass: Subband, coefficients: &[i32], every: usize) -> Option<u64> {
         let mut bits = 0_u64;
-        for [y, z] in low_pass.rows().step_by(every) {
+        for [y, z] in low_pass.rows().step_by(every.max(1)) {
             let (before, row) = coefficients.split_at_checked(low_pass.row(plan, y, z))?;
             let before = RowsBefore::new(plan, low_pass, [y, z], before);
             let [mut west_west, mut west] = [None; 2];

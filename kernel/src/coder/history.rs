@@ -3,6 +3,7 @@
 use core::cell::Cell;
 
 use super::context::Around;
+use crate::memory::move_within;
 use crate::transform::Plan;
 
 /// Columns and rows of zeros kept around the values.
@@ -61,7 +62,7 @@ impl<'a> History<'a> {
         if !self.flat {
             return;
         }
-        self.values.copy_within(self.stride.., 0);
+        move_within(self.values, self.stride..self.values.len(), 0);
         let below = self.stride.wrapping_mul(MARGIN);
         self.values.get_mut(below..).unwrap_or(&mut []).fill(0);
     }

@@ -98,13 +98,14 @@ struct Family {
 impl Family {
     fn new(plan: &Plan, child: Subband) -> Self {
         let resolution = plan.levels().wrapping_sub(child.level);
-        let siblings =
-            plan.subbands(resolution).take_while(|sibling| sibling.orientation < child.orientation);
-        let mut coarser = plan.subbands(resolution.wrapping_sub(1));
-        Self {
-            siblings: siblings.collect(),
-            parent: coarser.find(|parent| parent.orientation == child.orientation),
+        let mut siblings = heapless::Vec::new();
+        for sibling in plan.subbands(resolution).take_while(|sibling| sibling.orientation < child.orientation)
+        {
+            // At most six orientations are lower than the highest, so the list cannot overflow.
+            let _ = siblings.push(sibling);
         }
+        let mut coarser = plan.subbands(resolution.wrapping_sub(1));
+        Self { siblings, parent: coarser.find(|parent| parent.orientation == child.orientation) }
     }
 
     /// Writes what the family says about row `y` of plane `z`: the weighted magnitudes at the same place.

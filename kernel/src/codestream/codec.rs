@@ -4,6 +4,7 @@ use super::header::{Header, MAX_STORED_HEADER_BYTES, Segments, Storage};
 use crate::coder::{Coefficients, Decoder, Encoder, Equations, Models, Predictor};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
+use crate::memory::{copy, move_within};
 use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
 
 /// Bytes that always suffice for a codestream of `extent` samples of `sample_type`, whatever their values, wavelet
@@ -90,7 +91,8 @@ impl Codec {
         let header = |segments| Header::new(sample_type, plan, Storage::Coded(predictor), segments);
         // The header holds the lengths of the segments, so it is written last: the segments go where they begin if
         // every length takes one byte, and are moved up afterwards.
-        let mut segments: Segments = (0..=plan.levels()).map(|_| 0).collect();
+        let mut segments = Segments::new();
+        segments.resize(usize::from(plan.levels()).wrapping_add(1), 0).ok()?;
         let gap = header(segments.clone()).header_len();
         let mut end = gap;
         self.models.reset();
@@ -106,7 +108,7 @@ impl Codec {
         if total > out.len() {
             return None;
         }
-        out.copy_within(gap..end, header.header_len());
+        move_within(out, gap..end, header.header_len());
         header.write(out);
         Some(total)
     }
@@ -203,9 +205,9 @@ fn store(header: &Header, samples: &[i32], out: &mut [u8]) {
     header.write(out);
     let payload = out.get_mut(header.header_len()..).unwrap_or(&mut []);
     let size = header.sample_type().bytes();
-    for (bytes, sample) in payload.chunks_exact_mut(size).zip(samples) {
+    for (bytes, sample) in payload.chunks_exact_mut(size.max(1)).zip(samples) {
         let sample = sample.to_le_bytes();
-        bytes.copy_from_slice(sample.get(..size).unwrap_or(&sample));
+        copy(&sample, bytes);
     }
 }
 
@@ -230,9 +232,9 @@ fn coarsen(plan: &Plan, level: u8, samples: &mut [i32], scratch: &mut [i32]) -> 
     let Some(low_pass) = finest.subbands(0).next() else { return Ok(()) };
     let [width, height, depth] = low_pass.sides;
     let rows = (0..depth).flat_map(|z| (0..height).map(move |y| (y, z)));
-    for (to, (y, z)) in (0..).step_by(width).zip(rows) {
+    for (to, (y, z)) in (0..).step_by(width.max(1)).zip(rows) {
         let from = low_pass.row(&finest, y, z);
-        samples.copy_within(from..from.wrapping_add(width), to);
+        move_within(samples, from..from.wrapping_add(width), to);
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::coder::{IN_PLANE, LARGEST_WEIGHT, Predictor, WEIGHTS, Weights};
 use crate::extent::to_usize;
+use crate::memory::copy;
 use crate::{DecodeError, Extent, Malformed, Plan, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
@@ -248,7 +249,8 @@ impl Header {
 
     /// A header of samples stored as they are; `None` if a segment cannot be that long.
     pub(super) fn stored(plan: &Plan, sample_type: SampleType) -> Option<Self> {
-        let segments = [stored_bytes(plan, sample_type)?].into_iter().collect();
+        let mut segments = Segments::new();
+        segments.push(stored_bytes(plan, sample_type)?).ok()?;
         Some(Self::new(sample_type, *plan, Storage::Stored, segments))
     }
 
@@ -271,7 +273,7 @@ impl Header {
     pub(super) fn write(&self, out: &mut [u8]) {
         let bytes = self.to_bytes();
         if let Some(out) = out.get_mut(..bytes.len()) {
-            out.copy_from_slice(&bytes);
+            copy(&bytes, out);
         }
     }
 

@@ -4,6 +4,7 @@
 //! memory is read and written in runs and the compiler can work on several lines at once.
 
 use crate::lifting::{Halves, Wavelet};
+use crate::memory::copy;
 
 /// Lines lifted side by side along y and z: one cache line of samples.
 pub(super) const LANES: usize = 16;
@@ -35,8 +36,8 @@ impl Part {
     /// Calls `lift` with each line along x; lines of one sample are left alone.
     pub(super) fn each_line(self, samples: &mut [i32], mut lift: impl FnMut(&mut [i32])) {
         let ([x, y, z], [width, height, _]) = (self.part, self.sides);
-        let planes = samples.chunks_mut(width.wrapping_mul(height)).take(z);
-        for row in planes.flat_map(|plane| plane.chunks_mut(width).take(y)) {
+        let planes = samples.chunks_mut(width.wrapping_mul(height).max(1)).take(z);
+        for row in planes.flat_map(|plane| plane.chunks_mut(width.max(1)).take(y)) {
             row.get_mut(..x).map(&mut lift);
         }
     }
@@ -89,7 +90,7 @@ fn panels(start: usize, x: usize, stride: usize, n: usize) -> impl Iterator<Item
 
 fn forward_line(wavelet: Wavelet, line: &mut [i32], scratch: &mut [i32]) {
     let Some(scratch) = scratch.get_mut(..line.len()) else { return };
-    let (low, high) = scratch.split_at_mut(line.len().div_ceil(2));
+    let Some((low, high)) = scratch.split_at_mut_checked(line.len().div_ceil(2)) else { return };
     let (pairs, odd) = line.as_chunks::<2>();
     for ((&[even, odd], c), d) in pairs.iter().zip(low.iter_mut()).zip(high.iter_mut()) {
         (*c, *d) = (even, odd);
@@ -98,13 +99,13 @@ fn forward_line(wavelet: Wavelet, line: &mut [i32], scratch: &mut [i32]) {
         *c = last;
     }
     wavelet.forward(&mut Halves::new(low, high, 1));
-    line.copy_from_slice(scratch);
+    copy(scratch, line);
 }
 
 fn inverse_line(wavelet: Wavelet, line: &mut [i32], scratch: &mut [i32]) {
     let Some(scratch) = scratch.get_mut(..line.len()) else { return };
-    scratch.copy_from_slice(line);
-    let (low, high) = scratch.split_at_mut(line.len().div_ceil(2));
+    copy(line, scratch);
+    let Some((low, high)) = scratch.split_at_mut_checked(line.len().div_ceil(2)) else { return };
     wavelet.inverse(&mut Halves::new(low, high, 1));
     let (pairs, odd) = line.as_chunks_mut::<2>();
     for ((pair, &c), &d) in pairs.iter_mut().zip(low.iter()).zip(high.iter()) {
@@ -128,13 +129,13 @@ impl Panel {
         match direction {
             Direction::Forward => {
                 self.gather(samples, scratch, interleaved);
-                let (low, high) = scratch.split_at_mut(split);
+                let Some((low, high)) = scratch.split_at_mut_checked(split) else { return };
                 wavelet.forward(&mut Halves::new(low, high, self.lanes));
                 self.scatter(samples, scratch, in_order);
             }
             Direction::Inverse => {
                 self.gather(samples, scratch, in_order);
-                let (low, high) = scratch.split_at_mut(split);
+                let Some((low, high)) = scratch.split_at_mut_checked(split) else { return };
                 wavelet.inverse(&mut Halves::new(low, high, self.lanes));
                 self.scatter(samples, scratch, interleaved);
             }
@@ -143,20 +144,20 @@ impl Panel {
 
     /// Copies row `place(row)` of the lines to each row of `scratch`.
     fn gather(self, samples: &[i32], scratch: &mut [i32], place: impl Fn(usize) -> usize) {
-        for (row, to) in scratch.chunks_exact_mut(self.lanes).enumerate() {
+        for (row, to) in scratch.chunks_exact_mut(self.lanes.max(1)).enumerate() {
             let start = self.start.wrapping_add(place(row).wrapping_mul(self.stride));
             if let Some(from) = samples.get(start..start.wrapping_add(self.lanes)) {
-                to.copy_from_slice(from);
+                copy(from, to);
             }
         }
     }
 
     /// Copies each row of `scratch` to row `place(row)` of the lines.
     fn scatter(self, samples: &mut [i32], scratch: &[i32], place: impl Fn(usize) -> usize) {
-        for (row, from) in scratch.chunks_exact(self.lanes).enumerate() {
+        for (row, from) in scratch.chunks_exact(self.lanes.max(1)).enumerate() {
             let start = self.start.wrapping_add(place(row).wrapping_mul(self.stride));
             if let Some(to) = samples.get_mut(start..start.wrapping_add(self.lanes)) {
-                to.copy_from_slice(from);
+                copy(from, to);
             }
         }
     }

@@ -51,7 +51,7 @@ fn info_tells_all_that_the_file_says() {
         "u16",
         "cubic",
         "3 levels",
-        "12 of 8 x 8 x 6",
+        "6 of 8 x 8 x 6",
         "NRRD",
         "little",
         "spacings: 0.5 1 3",
