@@ -94,12 +94,8 @@ fn provide(folder: &Path, command: &str, extent: [usize; 3]) {
             let extent = option(command, "--extent").expect("a raw file has an extent");
             let bytes =
                 option(command, "--type").map_or(4, |name| name[1..].parse::<usize>().expect("bits") / 8);
-            samples
-                .iter()
-                .copied()
-                .cycle()
-                .take(cut_extent(extent).iter().product::<usize>() * bytes)
-                .collect()
+            let length = cut_extent(extent).iter().product::<usize>() * bytes;
+            samples.into_iter().cycle().take(length).collect()
         }
         Some("nrrd") => {
             let header =
@@ -120,14 +116,9 @@ fn provide(folder: &Path, command: &str, extent: [usize; 3]) {
     fs::write(folder.join(name), bytes).expect("the folder takes files");
 }
 
-/// Runs a line as a shell does that has the program on its path.
+/// Runs a line of the shell.
 fn run(folder: &Path, line: &str) {
-    let own = program::path().parent().expect("a program lies in a folder").to_owned();
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let path = std::env::join_paths([own].into_iter().chain(std::env::split_paths(&path)));
-    let path = path.expect("folders that a path can hold");
-    let output = Command::new("sh").args(["-c", line]).current_dir(folder).env("PATH", path).output();
-    let output = output.expect("there is a shell");
+    let output = program::shell(line).current_dir(folder).output().expect("there is a shell");
     assert!(output.status.success(), "{line}\n{}", String::from_utf8_lossy(&output.stderr));
 }
 

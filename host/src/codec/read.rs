@@ -150,11 +150,15 @@ impl Container {
         let extent = index.grid.extent;
         if level > index.readable_levels {
             let why = match (index.readable_levels, index.wavelet) {
-                (0, None) => "it was compressed without a transform (--wavelet none)".to_owned(),
-                (0, Some(_)) => {
-                    "it has full resolution only, as its type or its bricks do not allow levels".to_owned()
+                (coarsest @ 1.., _) => format!("its coarsest is {coarsest}"),
+                (0, None) => {
+                    "it was compressed without a transform, so it has full resolution only; compress it with \
+                              --wavelet linear, say, to have levels"
+                        .to_owned()
                 }
-                (coarsest, _) => format!("its coarsest is {coarsest}"),
+                (0, Some(_)) => {
+                    "the type of its samples or the sides of its bricks allow full resolution only".to_owned()
+                }
             };
             return Err(ContainerError::NoSuchLevel { asked: level, why });
         }

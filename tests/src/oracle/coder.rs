@@ -8,7 +8,7 @@ mod value;
 
 use super::lifting;
 use arithmetic::{Decoder, Encoder};
-pub use header::{Choices, Header, Reject, SampleType, Storage};
+pub use header::{Choices, Header, Reject, SampleType, Storage, Weights};
 use scan::Scan;
 use value::Models;
 
@@ -31,7 +31,7 @@ pub fn encode(choices: &Choices, samples: &[i32]) -> Vec<u8> {
         Storage::Stored => {
             vec![samples.iter().flat_map(|&v| choices.sample_type.bytes_of(v)).collect()]
         }
-        Storage::Coded { predictor } => encode_segments(choices, predictor, samples),
+        Storage::Coded { .. } | Storage::Trained { .. } => encode_segments(choices, samples),
     };
     let lengths: Vec<_> = segments.iter().map(Vec::len).collect();
     let mut bytes = header::write(choices, &lengths);
@@ -39,7 +39,7 @@ pub fn encode(choices: &Choices, samples: &[i32]) -> Vec<u8> {
     bytes
 }
 
-/// The codestream of other samples under the choices that `stream` was written with. Panics if its header is malformed.
+/// The codestream of other samples under the choices, weights included, that `stream` was written with. Panics if its header is malformed.
 pub fn encode_as(stream: &[u8], samples: &[i32]) -> Vec<u8> {
     encode(&Header::parse(stream).expect("the header is sound").choices, samples)
 }
@@ -54,9 +54,9 @@ pub fn decode(bytes: &[u8], level: usize) -> Result<Decoded, Reject> {
     }
     match header.choices.storage {
         Storage::Stored => Ok(low_pass_of_stored(&header.choices, segments[0], level)),
-        Storage::Coded { predictor } => {
+        Storage::Coded { .. } | Storage::Trained { .. } => {
             let choices = header.choices.coarsened(level);
-            let samples = decode_segments(&choices, predictor, &segments)?;
+            let samples = decode_segments(&choices, &segments)?;
             if level == 0 && !samples.iter().all(|&v| choices.sample_type.holds(v)) {
                 return Err(Reject::Sample);
             }
@@ -65,18 +65,18 @@ pub fn decode(bytes: &[u8], level: usize) -> Result<Decoded, Reject> {
     }
 }
 
-fn encode_segments(choices: &Choices, predictor: u8, samples: &[i32]) -> Vec<Vec<u8>> {
+fn encode_segments(choices: &Choices, samples: &[i32]) -> Vec<Vec<u8>> {
     let mut coefficients = samples.to_vec();
     if let Some(psi) = choices.psi {
         lifting::forward(psi, &mut coefficients, choices.extent, choices.levels);
     }
-    let mut scan = Scan::new(choices, predictor, coefficients);
+    let mut scan = Scan::new(choices, coefficients);
     let mut models = Models::new();
     (0..=choices.levels)
         .map(|resolution| {
             let mut segment = Encoder::new();
-            scan.resolution(resolution, |class, value| {
-                models.encode(&mut segment, class, value);
+            scan.resolution(resolution, |context, value| {
+                models.encode(&mut segment, context, value);
                 value
             });
             segment.finish()
@@ -84,12 +84,12 @@ fn encode_segments(choices: &Choices, predictor: u8, samples: &[i32]) -> Vec<Vec
         .collect()
 }
 
-fn decode_segments(choices: &Choices, predictor: u8, segments: &[&[u8]]) -> Result<Vec<i32>, Reject> {
-    let mut scan = Scan::new(choices, predictor, vec![0; choices.places()]);
+fn decode_segments(choices: &Choices, segments: &[&[u8]]) -> Result<Vec<i32>, Reject> {
+    let mut scan = Scan::new(choices, vec![0; choices.places()]);
     let mut models = Models::new();
     for (resolution, segment) in segments.iter().enumerate() {
         let mut decoder = Decoder::new(segment)?;
-        scan.resolution(resolution, |class, _| models.decode(&mut decoder, class));
+        scan.resolution(resolution, |context, _| models.decode(&mut decoder, context));
         decoder.finish()?;
     }
     let mut samples = scan.into_coefficients();

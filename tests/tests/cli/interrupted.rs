@@ -5,7 +5,6 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use crate::files::noise;
-use crate::program;
 use crate::run::Folder;
 
 /// Samples a side of a volume that takes a while.
@@ -15,7 +14,7 @@ const SIDE: usize = 96;
 fn prepared() -> (Folder, Command) {
     let folder = Folder::new();
     folder.write("in.raw", noise(2 * SIDE.pow(3), 7));
-    let mut command = folder.command(program::path());
+    let mut command = folder.command();
     command.args(["compress", "in.raw", "a.wlift", "--type", "u16", "--wavelet", "cubic", "--brick", "16"]);
     command.args(["--extent", &format!("{SIDE}x{SIDE}x{SIDE}")]).stdout(Stdio::null());
     (folder, command)

@@ -4,7 +4,6 @@ use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
 use crate::files::{nrrd, smooth_u16};
-use crate::program;
 use crate::run::Folder;
 
 #[test]
@@ -42,7 +41,7 @@ fn a_reader_may_go_away() {
     folder.write("in.nrrd", nrrd(&lines, &[1, 2, 3]));
     folder.run("compress in.nrrd a.wlift").silent();
     for line in ["info a.wlift", "info a.wlift --json"] {
-        let mut command = folder.command(program::path());
+        let mut command = folder.command();
         command.args(line.split(' ')).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut first = String::new();

@@ -50,24 +50,26 @@ impl Folder {
 
     /// As [`run`](Self::run), with arguments that may hold anything.
     pub(crate) fn run_words(&self, words: &[&OsStr]) -> Outcome {
-        Outcome::of(self.command(program::path()).args(words))
+        Outcome::of(self.inside(&mut Command::new(program::path())).args(words))
     }
 
-    /// A line for the shell, which finds the program as `wavelift`.
+    /// Runs a line of the shell, which finds the program as `wavelift`.
     #[cfg(unix)]
     pub(crate) fn shell(&self, line: &str) -> Outcome {
-        let folder = program::path().parent().expect("a program lies in a folder");
-        let path = std::env::var_os("PATH").unwrap_or_default();
-        let folders = [folder.to_owned()].into_iter().chain(std::env::split_paths(&path));
-        let path = std::env::join_paths(folders).expect("folders without a colon");
-        Outcome::of(self.command("sh").args(["-c", line]).env("PATH", path))
+        Outcome::of(self.inside(&mut program::shell(line)))
     }
 
-    /// A command to be run in this folder.
-    pub(crate) fn command(&self, program: impl AsRef<OsStr>) -> Command {
-        let mut command = Command::new(program);
-        command.current_dir(self.0.path()).stdin(Stdio::null());
+    /// The program, to be run with other arguments.
+    #[cfg(unix)]
+    pub(crate) fn command(&self) -> Command {
+        let mut command = Command::new(program::path());
+        self.inside(&mut command);
         command
+    }
+
+    /// Sets this folder as the place where a command runs, without input.
+    fn inside<'a>(&self, command: &'a mut Command) -> &'a mut Command {
+        command.current_dir(self.0.path()).stdin(Stdio::null())
     }
 }
 

@@ -38,6 +38,7 @@ fn row(error: DecodeError) -> Reject {
         DecodeError::Malformed(Malformed::Number) => Reject::Number,
         DecodeError::Malformed(Malformed::Extent) => Reject::Extent,
         DecodeError::Malformed(Malformed::Levels) => Reject::Levels,
+        DecodeError::Malformed(Malformed::Weight) => Reject::Weight,
         DecodeError::Malformed(Malformed::StoredLength) => Reject::StoredLength,
         DecodeError::Malformed(Malformed::Segment) => Reject::Segment,
         DecodeError::Malformed(Malformed::Sample) => Reject::Sample,

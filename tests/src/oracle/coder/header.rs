@@ -13,6 +13,7 @@ pub enum Reject {
     Number,
     Extent,
     Levels,
+    Weight,
     StoredLength,
     Segment,
     Sample,
@@ -27,8 +28,22 @@ pub enum Storage {
         /// Of the low-pass part, 0 to 4.
         predictor: u8,
     },
+    /// As values under the models, the low-pass part by predictor 5.
+    Trained {
+        /// From -2048 to 2048 each.
+        weights: Weights,
+    },
     /// As they are.
     Stored,
+}
+
+/// The weights of predictor 5.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Weights {
+    /// Those of the first plane.
+    pub first: [i32; 9],
+    /// Those of all other planes: all 0, and not in the header, if there is none.
+    pub others: [i32; 19],
 }
 
 /// The type of the samples; `u32` travels as the same bits in an `i32`.
@@ -114,12 +129,20 @@ impl Choices {
         if self.levels > max_levels(self.extent) || self.psi.is_some() != (self.levels > 0) {
             return Err(Reject::Levels);
         }
-        Ok(())
+        let Storage::Trained { weights } = self.storage else { return Ok(()) };
+        assert!(self.has_other_planes() || weights.others == [0; 19], "weights of planes that are not there");
+        let mut all = weights.first.iter().chain(&weights.others);
+        if all.all(|weight| (-2048..=2048).contains(weight)) { Ok(()) } else { Err(Reject::Weight) }
+    }
+
+    /// Whether the low-pass part has more than one plane.
+    fn has_other_planes(&self) -> bool {
+        ceil_shift(self.extent, self.levels)[2] > 1
     }
 
     fn segments(&self) -> usize {
         match self.storage {
-            Storage::Coded { .. } => self.levels + 1,
+            Storage::Coded { .. } | Storage::Trained { .. } => self.levels + 1,
             Storage::Stored => 1,
         }
     }
@@ -156,14 +179,21 @@ impl Header {
         }
         let storage = match fields.byte()? {
             predictor @ 0..=4 => Storage::Coded { predictor },
+            5 => Storage::Trained { weights: Weights { first: [0; 9], others: [0; 19] } },
             0x80 => Storage::Stored,
             _ => return Err(Reject::Reserved),
         };
         let (sample_type, psi) = type_and_wavelet(fields.byte()?)?;
         let levels = usize::from(fields.byte()?);
         let extent = [fields.number()?, fields.number()?, fields.number()?];
-        let choices = Choices { storage, sample_type, psi, levels, extent };
+        let mut choices = Choices { storage, sample_type, psi, levels, extent };
         choices.check()?;
+        let others = choices.has_other_planes();
+        if let Storage::Trained { weights } = &mut choices.storage {
+            for weight in weights.first.iter_mut().chain(weights.others.iter_mut().filter(|_| others)) {
+                *weight = fields.weight()?;
+            }
+        }
         let lengths = (0..choices.segments()).map(|_| fields.number()).collect::<Result<Vec<_>, _>>()?;
         if storage == Storage::Stored && lengths[0] != choices.places() * sample_type.bytes() {
             return Err(Reject::StoredLength);
@@ -192,15 +222,25 @@ impl Header {
 pub(super) fn write(choices: &Choices, lengths: &[usize]) -> Vec<u8> {
     let storage = match choices.storage {
         Storage::Coded { predictor } => predictor,
+        Storage::Trained { .. } => 5,
         Storage::Stored => 0x80,
     };
     let sample_type = SampleType::ALL.iter().position(|&t| t == choices.sample_type).expect("all are listed");
     let psi = Psi::ALL.iter().position(|&psi| Some(psi) == choices.psi).map_or(0, |position| position + 1);
     let mut bytes = vec![0x77, 0x4C, 1, storage, (psi << 4 | sample_type) as u8, choices.levels as u8];
-    for &number in choices.extent.iter().chain(lengths) {
-        bytes.extend(number_bytes(number));
+    bytes.extend(choices.extent.iter().flat_map(|&samples| number_bytes(samples)));
+    if let Storage::Trained { weights } = choices.storage {
+        let others = choices.has_other_planes().then_some(weights.others);
+        let all = weights.first.into_iter().chain(others.into_iter().flatten());
+        bytes.extend(all.flat_map(|weight| number_bytes(number_of(weight))));
     }
+    bytes.extend(lengths.iter().flat_map(|&length| number_bytes(length)));
     bytes
+}
+
+/// The number that stands for a weight.
+const fn number_of(weight: i32) -> usize {
+    (if weight >= 0 { 2 * weight } else { -2 * weight - 1 }) as usize
 }
 
 fn type_and_wavelet(byte: u8) -> Result<(SampleType, Option<Psi>), Reject> {
@@ -245,5 +285,13 @@ impl Fields<'_> {
             }
         }
         Err(Reject::Number)
+    }
+
+    fn weight(&mut self) -> Result<i32, Reject> {
+        match self.number()? as i32 {
+            number @ 0..=4096 if number % 2 == 0 => Ok(number / 2),
+            number @ 0..=4096 => Ok(-(number + 1) / 2),
+            _ => Err(Reject::Weight),
+        }
     }
 }

@@ -37,10 +37,20 @@ impl Probability {
     }
 }
 
+/// What is around a value: all that chooses the probabilities of its first decisions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Context {
+    /// The class c, 0 to 31.
+    pub(super) class: usize,
+    /// The context of signs g, 0 to 26.
+    pub(super) signs: usize,
+}
+
 /// All probabilities of a codestream.
 #[derive(Debug)]
 pub(super) struct Models {
     nonzero: [Probability; 32],
+    negative: [Probability; 27],
     above: [[Probability; 20]; 32],
     mantissa: [[Probability; 3]; 20],
 }
@@ -49,17 +59,19 @@ impl Models {
     pub(super) const fn new() -> Self {
         Self {
             nonzero: [Probability::NEW; 32],
+            negative: [Probability::NEW; 27],
             above: [[Probability::NEW; 20]; 32],
             mantissa: [[Probability::NEW; 3]; 20],
         }
     }
 
-    pub(super) fn encode(&mut self, to: &mut Encoder, class: usize, value: i32) {
+    pub(super) fn encode(&mut self, to: &mut Encoder, context: Context, value: i32) {
+        let Context { class, signs } = context;
         self.nonzero[class].encode(to, value != 0);
         if value == 0 {
             return;
         }
-        to.raw(1, u64::from(value < 0));
+        self.negative[signs].encode(to, value < 0);
         let magnitude = value.unsigned_abs();
         let e = magnitude.ilog2();
         for k in 0..31.min(e + 1) {
@@ -76,11 +88,12 @@ impl Models {
         }
     }
 
-    pub(super) fn decode(&mut self, from: &mut Decoder<'_>, class: usize) -> i32 {
+    pub(super) fn decode(&mut self, from: &mut Decoder<'_>, context: Context) -> i32 {
+        let Context { class, signs } = context;
         if !self.nonzero[class].decode(from) {
             return 0;
         }
-        let negative = from.raw(1) == 1;
+        let negative = self.negative[signs].decode(from);
         let mut e = 0;
         while e < 31 && self.above[class][e.min(19) as usize].decode(from) {
             e += 1;
