@@ -1,5 +1,7 @@
 //! Lent memory of every length, and how large things are.
 
+use std::collections::BTreeSet;
+
 use conformance::inputs::Input;
 use conformance::lent::{Lent, decode, encode, encode_within};
 use conformance::oracle::noise::Noise;
@@ -12,16 +14,20 @@ fn plan(wavelet: Wavelet, axes: [u32; 3], levels: u8) -> Plan {
     Plan::new(wavelet, Extent::new(axes).expect("an extent"), levels).expect("levels that it has")
 }
 
-/// Codestreams of every storage, predictor, and form of segment, the empty one too.
+/// Codestreams of several predictors and stored ones, with every form of segment, the empty one too.
 fn streams() -> Vec<(Plan, SampleType, Vec<i32>)> {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 100, offset: 128 };
     let noise = Input::Noise { bits: 8, offset: 0, seed: 5 };
+    let faint = Input::Noise { bits: 6, offset: 0, seed: 5 };
     let sparse = Input::Sparse { one_in: 200, bits: 8, seed: 1 };
     let cases = [
         (plan(Wavelet::Linear, [13, 9, 11], 4), SampleType::U8, waves.clone()),
         (plan(Wavelet::Cubic, [40, 21, 1], 6), SampleType::U16, waves.clone()),
-        (plan(Wavelet::Haar, [300, 1, 1], 0), SampleType::I16, waves),
+        (plan(Wavelet::Haar, [300, 1, 1], 0), SampleType::I16, waves.clone()),
+        (plan(Wavelet::Haar, [10, 9, 8], 0), SampleType::I16, waves),
         (plan(Wavelet::Quintic, [9, 8, 7], 2), SampleType::U8, noise.clone()),
+        (plan(Wavelet::Haar, [31, 23, 1], 0), SampleType::U8, faint.clone()),
+        (plan(Wavelet::Haar, [16, 12, 9], 0), SampleType::I16, faint),
         (plan(Wavelet::Haar, [5, 4, 3], 0), SampleType::U8, noise),
         (plan(Wavelet::Haar, [33, 17, 9], 6), SampleType::I32, sparse),
         (plan(Wavelet::Haar, [33, 17, 9], 6), SampleType::I32, Input::Constant { value: 0 }),
@@ -38,9 +44,10 @@ fn streams() -> Vec<(Plan, SampleType, Vec<i32>)> {
 
 #[test]
 fn an_output_is_full_or_holds_the_same_bytes() {
-    let mut codec = Codec::NEW;
+    let (mut codec, mut storages) = (Codec::NEW, BTreeSet::new());
     for (plan, sample_type, samples) in streams() {
         let bytes = encode(&mut codec, &plan, sample_type, &samples);
+        storages.insert(bytes[3]);
         for room in 0..bytes.len() {
             let (encoded, left) = encode_within(&mut codec, &plan, sample_type, &samples, room);
             assert_eq!(encoded, Err(EncodeError::OutputFull), "{room} of {} bytes: {plan:?}", bytes.len());
@@ -54,6 +61,7 @@ fn an_output_is_full_or_holds_the_same_bytes() {
             }
         }
     }
+    assert_eq!(storages, BTreeSet::from([0, 3, 5, 0x80]), "in plane, change, trained and stored");
 }
 
 /// Carries may turn the last bytes of a segment to zeros, which are taken away: their room is not needed.
@@ -229,8 +237,8 @@ fn scratch_is_as_documented() {
 
 #[test]
 fn sizes_of_public_types() {
-    assert_eq!(size_of::<Codec>(), 4392);
-    assert_eq!(size_of::<Header>(), 160);
+    assert_eq!(size_of::<Codec>(), 7600);
+    assert_eq!(size_of::<Header>(), 216);
     assert_eq!(size_of::<Plan>(), 16);
     assert_eq!(size_of::<Extent>(), 12);
     assert_eq!([size_of::<Wavelet>(), size_of::<SampleType>(), size_of::<Malformed>()], [1; 3]);

@@ -24,13 +24,14 @@ fn sample(wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &Input) -> Sample
     Sample { plan, samples, bytes, header }
 }
 
-fn samples() -> [Sample; 4] {
+fn samples() -> [Sample; 5] {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 9000, offset: -1000 };
     [
         sample(Wavelet::Quintic, [11, 9, 5], 2, &waves),
         sample(Wavelet::Linear, [23, 8, 1], 5, &Input::Sparse { one_in: 9, bits: 12, seed: 1 }),
         sample(Wavelet::Haar, [150, 1, 1], 0, &Input::Steps { width: 20, height: 300, offset: 7 }),
         sample(Wavelet::Cubic, [9, 9, 3], 3, &Input::Noise { bits: 16, offset: -32_768, seed: 2 }),
+        sample(Wavelet::Quadratic, [15, 12, 9], 0, &Input::Noise { bits: 6, offset: 0, seed: 5 }),
     ]
 }
 

@@ -1,12 +1,19 @@
 //! One brick, from the samples of a volume to codestreams and back.
 
-use wavelift_kernel::{Codec, DecodeError, Extent, Header, max_encoded_len};
+use wavelift_kernel::{Codec, DecodeError, Extent, Header, SampleType, max_encoded_len};
 
-use super::Brick;
 use super::choice::Transform;
 use super::grid::per_axis;
-use super::planes;
-use crate::volume::ElementType;
+use super::{Brick, packing, planes};
+use crate::volume::{ElementType, Volume};
+
+/// How the bricks of a volume are coded.
+#[derive(Clone, Debug)]
+pub(super) struct Coding {
+    pub(super) transform: Transform,
+    /// The values that samples are packed to the numbers of.
+    pub(super) values: Option<Vec<i32>>,
+}
 
 /// The codestreams of a brick, one after another.
 #[derive(Debug)]
@@ -43,27 +50,25 @@ impl Worker {
         Self { codec: Box::new(Codec::NEW), bytes: Vec::new(), samples, scratch, out: Vec::new() }
     }
 
-    /// Encodes `brick` of a volume of `extent` whose little-endian samples are `volume`.
-    pub(super) fn encode(
-        &mut self,
-        volume: &[u8],
-        extent: [u64; 3],
-        element: ElementType,
-        brick: Brick,
-        transform: Transform,
-    ) -> Encoded {
-        self.gather(volume, extent, element, brick);
+    /// Encodes `brick` of a volume.
+    pub(super) fn encode(&mut self, volume: &Volume, brick: Brick, coding: &Coding) -> Encoded {
+        let element = volume.element;
+        let values = coding.values.as_deref();
+        self.gather(&volume.samples, volume.extent, element, brick);
         let sides = Extent::new(brick.sides).expect("a grid has bricks of at most 2^27 samples");
-        let plan = transform.plan(sides);
+        let plan = coding.transform.plan(sides);
         self.scratch.resize(plan.scratch_len().max(self.scratch.len()), 0);
         let mut encoded = Encoded {
             codestreams: Vec::new(),
             lengths: Vec::new(),
             samples_crc: crc32fast::hash(&self.bytes),
         };
-        for (plane, &sample_type) in planes::sample_types(element).iter().enumerate() {
+        for (plane, sample_type) in packing::sample_types(element, values).into_iter().enumerate() {
             self.samples.resize(sides.samples(), 0);
             planes::split(element, plane, &self.bytes, &mut self.samples);
+            if let Some(values) = values {
+                packing::pack(values, &mut self.samples);
+            }
             let most = max_encoded_len(sides, sample_type).expect("2^27 samples of 4 bytes fit into memory");
             self.out.resize(most.max(self.out.len()), 0);
             let len = self
@@ -89,16 +94,15 @@ impl Worker {
     }
 
     /// Decodes the codestreams of a brick down to `level`, or to its coarsest if it has fewer levels because it is
-    /// small. `sides` and `element` are what the brick must be; anything else is an error, before memory is taken.
+    /// small. `sides` and `types` are what the brick must be; anything else is an error, before memory is taken.
     pub(super) fn decode(
         &mut self,
         codestreams: &[u8],
         lengths: &[u32],
-        element: ElementType,
+        types: &[SampleType],
         sides: [u32; 3],
         level: u8,
     ) -> Result<Decoded, String> {
-        let types = planes::sample_types(element);
         if lengths.len() != types.len() {
             return Err("it has another number of codestreams than its type".into());
         }

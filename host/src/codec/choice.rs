@@ -57,6 +57,16 @@ pub(super) struct Candidates {
     pub(super) levels: u8,
 }
 
+impl Candidates {
+    /// The transforms to try.
+    pub(super) fn transforms(&self) -> impl Iterator<Item = Transform> {
+        self.wavelets.iter().map(|&wavelet| match wavelet {
+            Some(_) if self.levels > 0 => Transform { wavelet, levels: self.levels },
+            _ => Transform::NONE,
+        })
+    }
+}
+
 /// A wavelet and levels for every brick; a brick too small for so many takes as many as it can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Transform {
@@ -65,6 +75,9 @@ pub(super) struct Transform {
 }
 
 impl Transform {
+    /// No transform.
+    pub(super) const NONE: Self = Self { wavelet: None, levels: 0 };
+
     /// The plan of a brick of `extent`.
     pub(super) fn plan(self, extent: Extent) -> Plan {
         let levels = if self.wavelet.is_some() { self.levels.min(extent.max_levels()) } else { 0 };

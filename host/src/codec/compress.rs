@@ -5,12 +5,11 @@ use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use wavelift_kernel::Extent;
 
-use super::brick::{Encoded, Worker};
+use super::brick::{Coding, Encoded, Worker};
 use super::choice::{Candidates, Transform};
-use super::container::{Description, Writer};
-use super::{Choice, CompressError, Grid, Progress, pool};
+use super::container::{Index, Writer};
+use super::{Choice, CompressError, Grid, Progress, Values, pool};
 use crate::volume::{ElementType, Volume, sample_bytes};
 
 /// How a volume is compressed.
@@ -41,10 +40,15 @@ pub struct Report {
     pub levels: u8,
     /// The coarsest level that can be read.
     pub readable_levels: u8,
+    /// Values that samples are packed to the numbers of, if they are.
+    pub packed_values: Option<usize>,
 }
 
 /// Bricks that `auto` tries every candidate on.
 const TRIED_BRICKS: u64 = 8;
+
+/// Bytes that a packed value takes in the index, about.
+const BYTES_PER_VALUE: u64 = 2;
 
 /// Bricks coded before they are written, per thread.
 const BATCH: usize = 8;
@@ -71,71 +75,76 @@ pub fn compress(
     }
     let pool = pool(options.threads.map(NonZeroUsize::get))?;
     let candidates = options.wavelet.candidates(options.levels, grid.sides)?;
-    let transform = pool.install(|| choose(volume, &grid, &candidates));
-    let readable_levels = readable_levels(volume, &grid, transform);
-    let description =
-        Description { grid, element: volume.element, transform, readable_levels, metadata: &volume.metadata };
-    let mut writer = Writer::new(out, description)?;
+    let coding = pool.install(|| choose(volume, &grid, &candidates));
+    let index = Index {
+        grid,
+        element: volume.element,
+        wavelet: coding.transform.wavelet,
+        levels: coding.transform.levels,
+        readable_levels: readable_levels(volume, &grid, coding.transform),
+        values: coding.values.as_deref().and_then(Values::new),
+        metadata: volume.metadata.clone(),
+        bricks: Vec::new(),
+    };
+    let mut report = Report {
+        sample_bytes: actual,
+        container_bytes: 0,
+        bricks: grid.bricks(),
+        wavelet: index.wavelet.map_or("none", |wavelet| wavelet.name()),
+        levels: index.levels,
+        readable_levels: index.readable_levels,
+        packed_values: index.values.as_ref().map(Values::count),
+    };
+    let mut writer = Writer::new(out, index)?;
     let batch = BATCH * pool.current_num_threads();
     for first in (0..grid.bricks()).step_by(batch) {
         let indices = first..grid.bricks().min(first + batch as u64);
         let encoded: Vec<Encoded> = pool.install(|| {
             let encode = |worker: &mut Worker, index| {
-                let encoded = encode(worker, volume, &grid, index, transform);
-                progress(samples_of(&grid, index));
+                let encoded = worker.encode(volume, grid.brick(index), &coding);
+                progress(grid.brick(index).samples());
                 encoded
             };
             indices.into_par_iter().map_init(Worker::new, encode).collect()
         });
         encoded.into_iter().try_for_each(|brick| writer.brick(brick))?;
     }
-    let container_bytes = writer.finish()?;
-    Ok(Report {
-        sample_bytes: actual,
-        container_bytes,
-        bricks: grid.bricks(),
-        wavelet: transform.wavelet.map_or("none", |wavelet| wavelet.name()),
-        levels: transform.levels,
-        readable_levels,
-    })
-}
-
-fn encode(worker: &mut Worker, volume: &Volume, grid: &Grid, index: u64, transform: Transform) -> Encoded {
-    worker.encode(&volume.samples, volume.extent, volume.element, grid.brick(index), transform)
-}
-
-fn samples_of(grid: &Grid, index: u64) -> u64 {
-    grid.brick(index).sides.into_iter().map(u64::from).product()
+    report.container_bytes = writer.finish()?;
+    Ok(report)
 }
 
 /// The candidate that makes a few bricks, spread over the volume, smallest; the first of several.
-fn choose(volume: &Volume, grid: &Grid, candidates: &Candidates) -> Transform {
-    let transform = |wavelet: Option<_>| Transform {
-        wavelet: wavelet.filter(|_| candidates.levels > 0),
-        levels: if wavelet.is_some() { candidates.levels } else { 0 },
-    };
-    if let [only] = candidates.wavelets[..] {
-        return transform(only);
+fn choose(volume: &Volume, grid: &Grid, candidates: &Candidates) -> Coding {
+    let mut codings: Vec<Coding> =
+        candidates.transforms().map(|transform| Coding { transform, values: None }).collect();
+    if codings.iter().any(|coding| coding.transform.wavelet.is_none()) {
+        let packed = |values| Coding { transform: Transform::NONE, values: Some(values) };
+        codings.extend(Values::of(volume).map(packed));
     }
     let tried = TRIED_BRICKS.min(grid.bricks());
     let bricks: Vec<u64> = (0..tried).map(|i| (2 * i + 1) * grid.bricks() / (2 * tried)).collect();
-    let cost = |worker: &mut Worker, &wavelet: &_| {
-        let len = |&index: &u64| encode(worker, volume, grid, index, transform(wavelet)).codestreams.len();
-        bricks.iter().map(len).sum::<usize>()
+    let cost = |worker: &mut Worker, coding: &Coding| {
+        let len = |&index: &u64| worker.encode(volume, grid.brick(index), coding).codestreams.len() as u64;
+        let values = coding.values.as_ref().map_or(0, |values| BYTES_PER_VALUE * values.len() as u64);
+        values + bricks.iter().map(len).sum::<u64>() * grid.bricks() / tried
     };
-    let costs: Vec<usize> = candidates.wavelets.par_iter().map_init(Worker::new, cost).collect();
-    let best = costs.iter().zip(&candidates.wavelets).min_by_key(|(cost, _)| **cost);
-    transform(best.and_then(|(_, &wavelet)| wavelet))
+    if codings.len() > 1 {
+        let costs: Vec<u64> = codings.par_iter().map_init(Worker::new, cost).collect();
+        let best = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).map_or(0, |(best, _)| best);
+        codings.swap(0, best);
+    }
+    codings.swap_remove(0)
 }
 
 /// The coarsest level that will mean something: none for types whose low-pass part is not in the samples' scale, nor
-/// beyond what the bricks' borders and the transform allow.
+/// beyond what the bricks' borders and the transform allow. Without a transform, a reader makes levels of what it
+/// decodes.
 fn readable_levels(volume: &Volume, grid: &Grid, transform: Transform) -> u8 {
     let in_scale = match volume.element {
         ElementType::F32 | ElementType::F64 | ElementType::U64 | ElementType::I64 => false,
         ElementType::U32 => volume.samples.as_chunks::<4>().0.iter().all(|bytes| bytes[3] < 0x80),
         _ => true,
     };
-    let deepest = Extent::new(grid.sides).map_or(0, Extent::max_levels);
-    if in_scale { transform.levels.min(grid.aligned_levels()).min(deepest) } else { 0 }
+    let levels = if transform.wavelet.is_some() { transform.levels } else { grid.max_levels() };
+    if in_scale { levels.min(grid.aligned_levels()) } else { 0 }
 }

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 use wavelift_kernel::Wavelet;
 
 use super::brick::Encoded;
-use super::choice::Transform;
-use super::{ContainerError, Grid};
+use super::{ContainerError, Grid, Values, planes};
 use crate::volume::{ElementType, Metadata};
 
 /// Version of the container that is written, and the only one that is read.
@@ -41,6 +40,8 @@ pub struct Index {
     pub levels: u8,
     /// The coarsest level that can be read; 0 is full resolution.
     pub readable_levels: u8,
+    /// The values that samples are packed to the numbers of, if they are.
+    pub values: Option<Values>,
     /// What the source said beside extent and type.
     pub metadata: Metadata,
     /// One entry per brick, in the order of [`Grid`], which is also that of the file.
@@ -65,16 +66,6 @@ impl BrickEntry {
     }
 }
 
-/// What a [`Writer`] has to know beforehand.
-#[derive(Debug)]
-pub(super) struct Description<'a> {
-    pub(super) grid: Grid,
-    pub(super) element: ElementType,
-    pub(super) transform: Transform,
-    pub(super) readable_levels: u8,
-    pub(super) metadata: &'a Metadata,
-}
-
 /// Writes a container from front to back.
 #[derive(Debug)]
 pub(super) struct Writer<'a, W> {
@@ -84,18 +75,9 @@ pub(super) struct Writer<'a, W> {
 }
 
 impl<'a, W: Write> Writer<'a, W> {
-    pub(super) fn new(out: &'a mut W, description: Description<'_>) -> io::Result<Self> {
+    /// Starts a container with all that `index` says but its bricks.
+    pub(super) fn new(out: &'a mut W, index: Index) -> io::Result<Self> {
         out.write_all(&header())?;
-        let Description { grid, element, transform, readable_levels, metadata } = description;
-        let index = Index {
-            grid,
-            element,
-            wavelet: transform.wavelet,
-            levels: transform.levels,
-            readable_levels,
-            metadata: metadata.clone(),
-            bricks: Vec::new(),
-        };
         Ok(Self { out, written: HEADER_BYTES as u64, index })
     }
 
@@ -148,6 +130,8 @@ pub struct Container {
     index: Index,
     /// Where each brick begins; one more, where the last one ends.
     positions: Vec<u64>,
+    /// The values of [`Index::values`].
+    values: Option<Vec<i32>>,
 }
 
 impl Container {
@@ -161,7 +145,8 @@ impl Container {
         check_header(&mut file)?;
         let (position, index) = read_index(&mut file, bytes)?;
         let positions = check_index(&index, position)?;
-        Ok(Self { file: Mutex::new(file), bytes, index, positions })
+        let values = index.values.as_ref().map(|values| values.table().ok_or(BAD_VALUES)).transpose()?;
+        Ok(Self { file: Mutex::new(file), bytes, index, positions, values })
     }
 
     /// What the container says about its volume and bricks.
@@ -180,6 +165,11 @@ impl Container {
         File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
     }
 
+    /// The values that samples are packed to the numbers of.
+    pub(super) fn values(&self) -> Option<&[i32]> {
+        self.values.as_deref()
+    }
+
     /// Reads the codestreams of brick `index`, which is below the number of bricks.
     pub(super) fn read_brick(&self, index: u64) -> io::Result<Vec<u8>> {
         let entry = index as usize;
@@ -190,6 +180,8 @@ impl Container {
         Ok(codestreams)
     }
 }
+
+const BAD_VALUES: ContainerError = ContainerError::Damaged("the values in the index are not ascending");
 
 fn check_header(file: &mut File) -> Result<(), ContainerError> {
     let mut found = [0; HEADER_BYTES];
@@ -252,8 +244,13 @@ fn check_index(index: &Index, end: u64) -> Result<Vec<u64>, ContainerError> {
     if !index.grid.is_sound() || index.grid.bricks() != index.bricks.len() as u64 {
         return Err(ContainerError::Damaged("the index has another number of bricks than its extent"));
     }
-    if index.readable_levels > index.levels || (index.levels > 0) != index.wavelet.is_some() {
-        return Err(ContainerError::Damaged("the levels in the index contradict each other"));
+    let deepest = if index.wavelet.is_some() { index.levels } else { index.grid.max_levels() };
+    if index.readable_levels > deepest.min(index.grid.aligned_levels())
+        || (index.levels > 0) != index.wavelet.is_some()
+        || index.values.is_some()
+            && (index.wavelet.is_some() || planes::sample_types(index.element).len() != 1)
+    {
+        return Err(ContainerError::Damaged("what the index says of levels and packing is contradictory"));
     }
     let mut positions = vec![HEADER_BYTES as u64];
     for brick in &index.bricks {

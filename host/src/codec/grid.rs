@@ -1,6 +1,7 @@
 //! How a volume is cut into bricks.
 
 use serde::{Deserialize, Serialize};
+use wavelift_kernel::Extent;
 
 /// Samples of the bricks that volumes are cut into unless asked otherwise: 64 a side, or as many in a slice or line.
 const DEFAULT_BRICK_SAMPLES: u32 = 1 << 18;
@@ -26,6 +27,13 @@ pub struct Brick {
     pub origin: [u64; 3],
     /// Its samples along x, y, z.
     pub sides: [u32; 3],
+}
+
+impl Brick {
+    /// Samples in all.
+    pub fn samples(&self) -> u64 {
+        self.sides.into_iter().map(u64::from).product()
+    }
 }
 
 impl Grid {
@@ -54,6 +62,11 @@ impl Grid {
         axes.into_iter().all(|(&extent, side)| side > 0 && u64::from(side) <= extent)
             && samples.is_some_and(|samples| samples <= MAX_BRICK_SAMPLES)
             && self.counts().into_iter().try_fold(1, u64::checked_mul).is_some()
+    }
+
+    /// Levels that a transform of a whole brick has at most.
+    pub fn max_levels(&self) -> u8 {
+        Extent::new(self.sides).map_or(0, Extent::max_levels)
     }
 
     /// Bricks along x, y, z.

@@ -1,6 +1,6 @@
 //! Coarse levels as samples: the low-pass part of a transform, brought back to the scale of the samples.
 
-use wavelift_kernel::{Plan, SampleType};
+use wavelift_kernel::{Extent, Plan, SampleType, Wavelet};
 
 /// Scales the low-pass part that `level` levels of `plan` made back to the samples' own scale, in place: rounded to
 /// the nearest (ties upwards) and kept within the type.
@@ -20,4 +20,20 @@ pub(super) fn rescale(plan: &Plan, level: u8, sample_type: SampleType, samples: 
         let scaled = (2 * i128::from(*sample) * up + down).div_euclid(2 * down);
         *sample = scaled.clamp((*range.start()).into(), (*range.end()).into()) as i32;
     }
+}
+
+/// Makes `level` of decoded samples of `extent`: their low-pass part under psi_1, whose gain is one.
+pub(super) fn coarsen(extent: Extent, level: u8, sample_type: SampleType, samples: &mut Vec<i32>) {
+    let levels = level.min(extent.max_levels());
+    let plan = Plan::new(Wavelet::Linear, extent, levels).expect("no more levels than the extent allows");
+    let mut scratch = vec![0; plan.scratch_len()];
+    plan.forward(samples, &mut scratch).expect("the lengths are those that the plan asks for");
+    let [width, height, _] = extent.axes().map(|axis| axis as usize);
+    let [x, y, z] = extent.coarsened(levels).axes().map(|axis| axis as usize);
+    let rows = (0..z).flat_map(|z| (0..y).map(move |y| (z * height + y) * width));
+    for (to, from) in (0..).step_by(x).zip(rows) {
+        samples.copy_within(from..from + x, to);
+    }
+    samples.truncate(x * y * z);
+    rescale(&plan, levels, sample_type, samples);
 }

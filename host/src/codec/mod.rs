@@ -10,6 +10,7 @@ mod container;
 mod error;
 mod grid;
 mod level;
+mod packing;
 pub(crate) mod planes;
 mod read;
 #[cfg(test)]
@@ -20,15 +21,19 @@ pub use compress::{CompressOptions, Report, compress};
 pub use container::{BrickEntry, Container, Index};
 pub use error::{CompressError, ContainerError};
 pub use grid::{Brick, Grid};
+pub use packing::Values;
 pub use read::{Part, Region, RegionError};
 
 /// Told the number of samples done since it was last told, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 
-/// The error of threads that cannot be started, turned into what its caller reports.
+/// Threads that are started at most, however many are asked for.
+const MOST_THREADS: usize = 256;
+
+/// The threads to work on: as many as asked for, or one per core.
 fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, std::io::Error> {
     rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
+        .num_threads(threads.unwrap_or(0).min(MOST_THREADS))
         .build()
         .map_err(|error| std::io::Error::other(format!("cannot start threads: {error}")))
 }

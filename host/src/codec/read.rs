@@ -8,10 +8,10 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
-use super::brick::{Worker, coarsened, scatter};
+use super::brick::{Decoded, Worker, coarsened, scatter};
 use super::container::Container;
 use super::grid::per_axis;
-use super::{Brick, ContainerError, Progress, level, planes, pool};
+use super::{Brick, ContainerError, Progress, level, packing, planes, pool};
 use crate::volume::{Volume, sample_bytes};
 
 /// A box of samples: `from` up to but without `to`, along x, y, z of the volume at full resolution.
@@ -19,7 +19,7 @@ use crate::volume::{Volume, sample_bytes};
 pub struct Region {
     /// The first sample.
     pub from: [u64; 3],
-    /// One beyond the last.
+    /// One beyond the last; `u64::MAX` for the end of the axis.
     pub to: [u64; 3],
 }
 
@@ -46,7 +46,7 @@ impl FromStr for Region {
         let ranges: Option<Vec<[u64; 2]>> = text.split(',').map(range).collect();
         let mut ranges =
             ranges.filter(|ranges| ranges.len() <= 3).ok_or_else(|| RegionError(text.to_owned()))?;
-        ranges.resize(3, [0, 1]);
+        ranges.resize(3, [0, u64::MAX]);
         Ok(Self { from: per_axis(|axis| ranges[axis][0]), to: per_axis(|axis| ranges[axis][1]) })
     }
 }
@@ -142,27 +142,25 @@ impl Container {
     }
 
     fn samples_of(&self, brick: u64) -> u64 {
-        self.index().grid.brick(brick).sides.into_iter().map(u64::from).product()
+        self.index().grid.brick(brick).samples()
     }
 
     fn check(&self, part: &Part) -> Result<Wanted, ContainerError> {
         let (index, level) = (self.index(), part.level);
         let extent = index.grid.extent;
         if level > index.readable_levels {
-            let why = match (index.readable_levels, index.wavelet) {
-                (coarsest @ 1.., _) => format!("its coarsest is {coarsest}"),
-                (0, None) => {
-                    "it was compressed without a transform, so it has full resolution only; compress it with \
-                              --wavelet linear, say, to have levels"
-                        .to_owned()
-                }
-                (0, Some(_)) => {
+            let why = match index.readable_levels {
+                0 => {
                     "the type of its samples or the sides of its bricks allow full resolution only".to_owned()
                 }
+                coarsest => format!("its coarsest is {coarsest}"),
             };
             return Err(ContainerError::NoSuchLevel { asked: level, why });
         }
-        let region = part.region.unwrap_or(Region { from: [0; 3], to: extent });
+        let mut region = part.region.unwrap_or(Region { from: [0; 3], to: [u64::MAX; 3] });
+        for (end, extent) in region.to.iter_mut().zip(extent).filter(|(end, _)| **end == u64::MAX) {
+            *end = extent;
+        }
         let first = |position: u64| position.div_ceil(1 << level);
         let wanted = Wanted { level, from: region.from.map(first), to: region.to.map(first) };
         if (0..3).any(|axis| region.to[axis] > extent[axis] || wanted.from[axis] >= wanted.to[axis]) {
@@ -196,6 +194,17 @@ impl Container {
         Ok(())
     }
 
+    /// Makes samples of `level` of what was decoded: of the low-pass part of a transform, or of all the samples.
+    fn bring_to_level(&self, decoded: &mut Decoded, level: u8) {
+        let (plan, sample_type) = (decoded.header.plan(), planes::sample_types(self.index().element)[0]);
+        for plane in &mut decoded.planes {
+            match self.index().wavelet {
+                Some(_) => level::rescale(&plan, level, sample_type, plane),
+                None => level::coarsen(plan.extent(), level, sample_type, plane),
+            }
+        }
+    }
+
     /// Reads and decodes one brick; the result is little-endian samples of its level.
     fn decode(&self, worker: &mut Worker, index: u64, level: u8) -> Result<Vec<u8>, ContainerError> {
         let (grid, element) = (self.index().grid, self.index().element);
@@ -205,15 +214,18 @@ impl Container {
         if crc32fast::hash(&codestreams) != entry.stored_crc {
             return Err(damage(index, brick, "its bytes contradict their checksum"));
         }
+        let types = packing::sample_types(element, self.values());
+        let transformed = if self.index().wavelet.is_some() { level } else { 0 };
         let mut decoded = worker
-            .decode(&codestreams, &entry.lengths, element, brick.sides, level)
+            .decode(&codestreams, &entry.lengths, &types, brick.sides, transformed)
             .map_err(|cause| damage(index, brick, cause))?;
+        for plane in &mut decoded.planes {
+            if self.values().is_some_and(|values| packing::unpack(values, plane).is_none()) {
+                return Err(damage(index, brick, "it has samples without a value"));
+            }
+        }
         if level > 0 {
-            let sample_type = decoded.header.sample_type();
-            decoded
-                .planes
-                .iter_mut()
-                .for_each(|plane| level::rescale(&decoded.header.plan(), level, sample_type, plane));
+            self.bring_to_level(&mut decoded, level);
         }
         let mut bytes = Vec::new();
         planes::join(element, &decoded.planes, &mut bytes);

@@ -105,6 +105,49 @@ fn levels_are_seamless_and_in_scale() {
 }
 
 #[test]
+fn a_volume_without_a_transform_has_levels_too() {
+    let waves = generate(Kind::Waves, [21, 17, 9], ElementType::U16, 3);
+    let level = Part { level: 1, region: None };
+    let [none, linear] = ["none", "linear"].map(|wavelet| {
+        let (stored, report) = store(&waves, &small_bricks(wavelet, None));
+        assert_eq!(report.readable_levels, 2);
+        read(&stored.path, &level).unwrap()
+    });
+    assert_eq!(none, linear);
+    let floats = generate(Kind::Waves, [21, 17, 9], ElementType::F32, 3);
+    let (stored, _) = store(&floats, &small_bricks("none", None));
+    assert_eq!(read(&stored.path, &level).unwrap_err().kind(), Fault::Usage);
+}
+
+#[test]
+fn few_values_are_packed_if_that_is_smaller() {
+    for element in [ElementType::I16, ElementType::U32, ElementType::F32] {
+        let mut volume = generate(Kind::Noise, [32, 16, 8], element, 3);
+        for sample in volume.samples.chunks_mut(element.bytes()) {
+            // Four values far apart, the sign bit among them.
+            let value = sample[0] & 0x81;
+            sample.fill(value);
+        }
+        let (stored, report) = store(&volume, &small_bricks("auto", None));
+        assert_eq!(report.packed_values, Some(4), "{element}");
+        // Two bits a sample, and what a brick costs.
+        assert!(report.container_bytes < 32 * 16 * 8 / 4 + 40 * report.bricks + 200, "{report:?}");
+        assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume);
+    }
+    let waves = generate(Kind::Waves, [32, 16, 8], ElementType::U8, 3);
+    assert_eq!(store(&waves, &small_bricks("auto", None)).1.packed_values, None);
+}
+
+#[test]
+fn axes_left_out_of_a_region_are_whole() {
+    let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
+    let (stored, _) = store(&volume, &small_bricks("linear", None));
+    let part = Part { level: 0, region: Some("2:5".parse().unwrap()) };
+    let read = read(&stored.path, &part).unwrap();
+    assert_eq!((read.extent, read.samples), ([3, 17, 9], crop(&volume, [2, 0, 0], [5, 17, 9])));
+}
+
+#[test]
 fn parts_that_do_not_exist_are_the_users_fault() {
     let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
     let (stored, _) = store(&volume, &small_bricks("linear", None));

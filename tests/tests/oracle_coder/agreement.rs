@@ -6,7 +6,7 @@ use conformance::oracle::noise::Noise;
 use conformance::reference::{psi, sides};
 use wavelift_kernel::{Extent, Plan, SampleType, Wavelet};
 
-use super::{both_decode, kernel_encode, plan};
+use super::{any_weights, both_decode, kernel_encode, plan};
 
 const LENGTHS: [u32; 12] = [1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33];
 
@@ -74,9 +74,14 @@ fn samples_of(field: Field, [width, height, depth]: [usize; 3], seed: u64) -> Ve
         .collect()
 }
 
-/// Storage under every predictor, and as it is.
+/// Storage under every predictor without weights, and as it is.
 fn storages() -> impl Iterator<Item = Storage> {
     (0..=4).map(|predictor| Storage::Coded { predictor }).chain([Storage::Stored])
+}
+
+/// Whether the low-pass part has more than one plane.
+fn has_planes(plan: &Plan) -> bool {
+    plan.extent().coarsened(plan.levels()).axes()[2] > 1
 }
 
 /// The part of a codestream that `level` needs.
@@ -95,7 +100,8 @@ fn assert_agreement(plan: &Plan, sample_type: SampleType, samples: &[i32]) -> St
     assert_eq!((choices.psi, choices.levels), (wavelet, plan.levels().into()));
     let levels: Vec<_> = (0..=plan.levels()).map(|level| both_decode(&bytes, level)).collect();
     assert_eq!(levels[0], Ok(Decoded { extent: sides(plan.extent()), samples: samples.to_vec() }));
-    for storage in storages() {
+    let weights = any_weights(&mut Noise::new(samples.len() as u64), has_planes(plan));
+    for storage in storages().chain([Storage::Trained { weights }]) {
         let stream = encode(&Choices { storage, ..choices }, samples);
         for (level, expected) in (0..).zip(&levels) {
             assert_eq!(
@@ -118,6 +124,70 @@ fn kernel_and_oracle_write_the_same_bytes_and_read_each_other() {
         })
         .collect();
     assert!(storages().all(|storage| chosen.contains(&storage)), "the kernel's encoder makes every choice");
+}
+
+/// Plans whose low-pass part has the 512 samples that the kernel's encoder asks for before it trains, along all axes
+/// and along few.
+fn large_plans() -> [Plan; 17] {
+    [
+        (None, [700, 1, 1], 0),
+        (None, [1, 1, 600], 0),
+        (None, [40, 33, 1], 0),
+        (None, [1, 30, 25], 0),
+        (None, [31, 1, 33], 0),
+        (None, [2, 300, 2], 0),
+        (None, [13, 11, 9], 0),
+        (None, [512, 1, 1], 0),
+        (None, [8, 8, 8], 0),
+        (Some(Wavelet::Haar), [1025, 1, 1], 1),
+        (Some(Wavelet::Quadratic), [70, 61, 1], 1),
+        (Some(Wavelet::Linear), [93, 97, 1], 2),
+        (Some(Wavelet::Cubic), [26, 24, 22], 1),
+        (Some(Wavelet::Duchaineau), [33, 34, 35], 2),
+        (Some(Wavelet::Quintic), [1, 66, 70], 1),
+        (Some(Wavelet::Linear), [50, 1, 63], 1),
+        (Some(Wavelet::Haar), [51, 47, 2], 1),
+    ]
+    .map(|(wavelet, extent, levels)| plan(wavelet, extent, levels))
+}
+
+#[test]
+fn kernel_and_oracle_agree_on_trained_weights() {
+    let (mut of_planes, mut of_one_plane) = (0, 0);
+    for (turn, (plan, (sample_type, field))) in
+        large_plans().iter().flat_map(|plan| DATA.map(|data| (plan, data))).enumerate()
+    {
+        let samples = samples_of(field, sides(plan.extent()), turn as u64);
+        if let Storage::Trained { .. } = assert_agreement(plan, sample_type, &samples) {
+            *(if has_planes(plan) { &mut of_planes } else { &mut of_one_plane }) += 1;
+        }
+    }
+    println!("trained: {of_planes} with several planes, {of_one_plane} with one");
+    assert!(of_planes >= 10 && of_one_plane >= 10, "the kernel's encoder trains too seldom");
+}
+
+#[test]
+fn any_weights_predict_the_same() {
+    let mut noise = Noise::new(12);
+    for turn in 0..3000 {
+        let extent = [0; 3].map(|_| 1 + noise.bits() as usize % 6);
+        let levels = noise.bits() as usize % (1 + max_levels(extent)).min(3);
+        let psi = (levels > 0).then(|| Psi::ALL[turn % Psi::ALL.len()]);
+        let weights = any_weights(&mut noise, extent[2].div_ceil(1 << levels) > 1);
+        let sample_type = [coder::SampleType::I32, coder::SampleType::U32, coder::SampleType::I16][turn % 3];
+        let samples: Vec<_> = noise
+            .full_range(extent.iter().product())
+            .into_iter()
+            .map(|v| if sample_type == coder::SampleType::I16 { v >> 16 } else { v })
+            .collect();
+        let choices = Choices { storage: Storage::Trained { weights }, sample_type, psi, levels, extent };
+        let stream = encode(&choices, &samples);
+        assert_eq!(Header::parse(&stream).expect("it is sound").choices, choices);
+        for level in 1..=levels as u8 {
+            assert!(both_decode(bytes_to_level(&stream, level), level).is_ok(), "{choices:?}");
+        }
+        assert_eq!(both_decode(&stream, 0), Ok(Decoded { extent, samples }), "{choices:?}");
+    }
 }
 
 #[test]

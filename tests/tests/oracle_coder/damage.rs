@@ -4,19 +4,20 @@ use conformance::oracle::coder::{Choices, Header, Reject, SampleType, Storage, e
 use conformance::oracle::lifting::Psi;
 use conformance::oracle::noise::Noise;
 
-use super::{both_decode, row};
+use super::{any_weights, both_decode, row};
 
 /// A brick of small values under these choices.
 fn codestream(storage: Storage, sample_type: SampleType, psi: Psi) -> Vec<u8> {
-    let extent = [6, 5, 4];
+    let extent = [9, 6, 11];
     let choices = Choices { storage, sample_type, psi: Some(psi), levels: 2, extent };
-    let samples: Vec<_> = Noise::new(7).within(40, 120).into_iter().map(|v| v + 60).collect();
+    let samples: Vec<_> = Noise::new(7).within(40, 9 * 6 * 11).into_iter().map(|v| v + 60).collect();
     encode(&choices, &samples)
 }
 
 #[test]
 fn every_byte_of_a_header_takes_every_value() {
-    for storage in [Storage::Coded { predictor: 3 }, Storage::Stored] {
+    let trained = Storage::Trained { weights: any_weights(&mut Noise::new(6), true) };
+    for storage in [Storage::Coded { predictor: 3 }, trained, Storage::Stored] {
         let sound = codestream(storage, SampleType::I16, Psi::Q);
         for at in 0..Header::parse(&sound).expect("it is sound").bytes {
             for value in 0..=255 {
@@ -36,7 +37,11 @@ fn damaged_segments() {
     let mut outcomes = Vec::new();
     for (turn, psi) in Psi::ALL.into_iter().cycle().enumerate().take(600) {
         let sample_type = [SampleType::U8, SampleType::I32, SampleType::U16][turn % 3];
-        let mut bytes = codestream(Storage::Coded { predictor: turn as u8 % 5 }, sample_type, psi);
+        let storage = match turn as u8 % 7 {
+            predictor @ 0..=4 => Storage::Coded { predictor },
+            _ => Storage::Trained { weights: any_weights(&mut noise, true) },
+        };
+        let mut bytes = codestream(storage, sample_type, psi);
         let header = Header::parse(&bytes).expect("it is sound").bytes;
         let at = header + noise.bits() as usize % (bytes.len() - header);
         bytes[at] = (noise.bits() >> 56) as u8;
@@ -59,7 +64,14 @@ fn segments_of_any_bytes() {
         if ones > 3 {
             segment[3] = 0xFE;
         }
-        let mut bytes = vec![0x77, 0x4C, 1, (turn / 4 % 5) as u8, 0x05, 0, 2, 2, 3, segment.len() as u8];
+        let predictor = (turn / 4 % 6) as u8;
+        let mut bytes = vec![0x77, 0x4C, 1, predictor, 0x05, 0, 2, 2, 3];
+        if predictor == 5 {
+            // two bytes each, of 2048 and -2048 too
+            let numbers = (0..28).map(|_| 128 + noise.bits() % (4097 - 128));
+            bytes.extend(numbers.flat_map(|number| [0x80 | number as u8, (number >> 7) as u8]));
+        }
+        bytes.push(segment.len() as u8);
         bytes.extend(segment);
         decoded += usize::from(both_decode(&bytes, 0).is_ok());
     }

@@ -7,7 +7,8 @@ mod damage;
 mod rejects;
 
 use conformance::lent;
-use conformance::oracle::coder::{Decoded, Reject, decode};
+use conformance::oracle::coder::{Decoded, Reject, Weights, decode};
+use conformance::oracle::noise::Noise;
 use conformance::reference::sides;
 use wavelift_kernel::{Codec, DecodeError, Extent, Header, Malformed, Plan, SampleType, Wavelet};
 
@@ -51,4 +52,18 @@ fn both_decode(bytes: &[u8], level: u8) -> Result<Decoded, Reject> {
     let decoded = decode(bytes, level.into());
     assert_eq!(kernel_decode(bytes, level).map_err(row), decoded, "level {level} of {bytes:02X?}");
     decoded
+}
+
+/// Weights of all sizes, a third of them the largest there are; without `others`, for a single plane.
+fn any_weights(noise: &mut Noise, others: bool) -> Weights {
+    let mut weight = || match noise.bits() >> 60 {
+        0..=2 => 2048,
+        3..=5 => -2048,
+        6..=9 => 0,
+        _ => (noise.bits() % 4097) as i32 - 2048,
+    };
+    Weights {
+        first: [(); 9].map(|()| weight()),
+        others: [(); 19].map(|()| if others { weight() } else { 0 }),
+    }
 }

@@ -5,7 +5,7 @@ use conformance::oracle::coder::{Decoded, Reject};
 use super::both_decode;
 
 /// A sound codestream of a line of two samples and one level; see `by_hand`.
-const SOUND: &str = "77 4C 01 00 13 01 02 01 01 01 01 B6 99";
+const SOUND: &str = "77 4C 01 00 13 01 02 01 01 01 01 B6 A7";
 
 fn bytes(hex: &str) -> Vec<u8> {
     hex.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("two digits")).collect()
@@ -41,7 +41,7 @@ fn magic_and_version() {
 
 #[test]
 fn reserved_values() {
-    for storage in (0..=255).filter(|storage| !matches!(storage, 0..=4 | 0x80)) {
+    for storage in (0..=255).filter(|storage| !matches!(storage, 0..=5 | 0x80)) {
         assert_eq!(both_decode(&[0x77, 0x4C, 1, storage], 0), Err(Reject::Reserved), "storage {storage:02X}");
     }
     for kind in (0..=255).filter(|kind| kind & 0x0F > 5 || kind >> 4 > 6) {
@@ -114,6 +114,49 @@ fn levels() {
 }
 
 #[test]
+fn weights() {
+    let nine = "00 01 02 03 04 05 06 07 08";
+    assert_rejected(
+        Reject::Weight,
+        &[
+            // 4097, 2^32 - 1, one of the second plane, in a file that ends there
+            "77 4C 01 05 05 00 01 01 01 81 20",
+            "77 4C 01 05 05 00 01 01 01 FF FF FF FF 0F",
+            &format!("77 4C 01 05 05 00 01 01 02 {nine} 81 20"),
+        ],
+    );
+    // the levels come first, and so does a weight before a number too long
+    assert_rejected(Reject::Levels, &["77 4C 01 05 05 01 02 01 01 81 20"]);
+    assert_rejected(
+        Reject::Number,
+        &["77 4C 01 05 05 00 01 01 01 81 A0 00", "77 4C 01 05 05 00 01 01 01 80 00"],
+    );
+    assert_rejected(Reject::Weight, &["77 4C 01 05 05 00 01 01 01 81 20 80 00"]);
+    // the largest, 4096 for 2048 and 4095 for -2048, nine of them; the weight after them is a length
+    let most = "80 20 FF 1F 80 20 FF 1F 80 20 FF 1F 80 20 FF 1F";
+    let zero = Ok(Decoded { extent: [1; 3], samples: vec![0] });
+    assert_eq!(both_decode(&bytes(&format!("77 4C 01 05 05 00 01 01 01 {most} 80 20 00")), 0), zero);
+    assert_rejected(
+        Reject::Truncated,
+        &[
+            &format!("77 4C 01 05 05 00 01 01 01 {most}"),
+            &format!("77 4C 01 05 05 00 01 01 01 {most} 80 20"),
+            // 4097 as a length
+            &format!("77 4C 01 05 05 00 01 01 01 {most} 80 20 81 20"),
+            &format!("77 4C 01 05 05 00 01 01 02 {nine} {nine} {nine} 00"),
+        ],
+    );
+    assert_rejected(Reject::TrailingBytes, &[&format!("77 4C 01 05 05 00 01 01 01 {nine} 00 00")]);
+    // nine weights where a level leaves one plane of two
+    let level = Ok(Decoded { extent: [1; 3], samples: vec![0] });
+    let two = bytes(&format!("77 4C 01 05 15 01 01 01 02 {nine} 00 00"));
+    assert_eq!(both_decode(&two, 1), level);
+    assert_eq!(both_decode(&two, 0), Ok(Decoded { extent: [1, 1, 2], samples: vec![0; 2] }));
+    let three = bytes(&format!("77 4C 01 05 15 01 01 01 03 {nine} {nine} {nine} 00 00 00"));
+    assert_eq!(both_decode(&three, 0), Ok(Decoded { extent: [1, 1, 3], samples: vec![0; 3] }));
+}
+
+#[test]
 fn stored_lengths() {
     assert_rejected(
         Reject::StoredLength,
@@ -135,7 +178,7 @@ fn segments() {
             // a zero byte at the end
             "77 4C 01 00 05 00 01 01 01 01 00",
             "77 4C 01 00 05 00 01 01 01 02 B2 00",
-            "77 4C 01 00 13 01 02 01 01 01 02 B6 99 00",
+            "77 4C 01 00 13 01 02 01 01 01 02 B6 A7 00",
             // FF FF FF FF
             "77 4C 01 00 05 00 01 01 01 04 FF FF FF FF",
             "77 4C 01 00 05 00 01 01 01 08 FF FF FF FF FF FF FF FF",
@@ -154,8 +197,7 @@ fn segments() {
 
 #[test]
 fn samples_outside_their_type() {
-    // -5 is the 5 of `by_hand` with the other sign: the raw bit, now set, adds 40003FFF to low and leaves a range of
-    // 40004000, so that low ends as F1FFBFFF and rises to F2000000.
+    // The first value of `by_hand::signs`, after which low rises to F2000000.
     assert_eq!(
         both_decode(&bytes("77 4C 01 00 05 00 01 01 01 01 F2"), 0),
         Ok(Decoded { extent: [1; 3], samples: vec![-5] })
