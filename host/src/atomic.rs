@@ -56,7 +56,12 @@ impl AtomicFile {
         }
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = folder_of(&path);
-        fs::metadata(folder)?;
+        fs::metadata(folder).map_err(|cause| match cause.kind() {
+            io::ErrorKind::NotFound => {
+                io::Error::new(cause.kind(), format!("the folder {} does not exist", folder.display()))
+            }
+            _ => cause,
+        })?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(".wavelift-").suffix(".part");
         if let Some(mode) = new_file_mode() {
@@ -169,6 +174,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = AtomicFile::create(&folder.path().join("none/a")).unwrap_err();
         assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+        assert!(missing.to_string().ends_with("none does not exist"), "{missing}");
         let directory = AtomicFile::create(folder.path()).unwrap_err();
         assert_eq!(directory.kind(), io::ErrorKind::IsADirectory);
         assert!(names(folder.path()).is_empty());

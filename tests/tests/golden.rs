@@ -143,6 +143,15 @@ fn every_vector_that_is_not_handmade_is_encoded_to_its_bytes() {
     );
 }
 
+/// The storage is the fourth byte: predictors 0 to 5, or stored.
+#[test]
+fn every_choice_of_the_encoder_is_among_its_vectors() {
+    let manifest = Manifest::read().expect("the manifest");
+    let written = manifest.vectors.iter().filter(|vector| vector.file.starts_with("v1/"));
+    let storages: BTreeSet<u8> = written.map(|vector| vector.read().expect("its file")[3]).collect();
+    assert_eq!(storages, BTreeSet::from([0, 1, 2, 3, 4, 5, 0x80]));
+}
+
 /// And yet each level whose segment is complete is there.
 #[test]
 fn every_prefix_is_truncated() {

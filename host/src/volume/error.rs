@@ -44,7 +44,7 @@ impl fmt::Display for Found {
 #[non_exhaustive]
 pub enum ReadError {
     /// The system refused.
-    #[error("{}: cannot read: {cause}", path.display())]
+    #[error("{}: cannot read: {}", path.display(), in_words(cause))]
     Io {
         /// File in question: the data file where header and data are detached.
         path: PathBuf,
@@ -143,7 +143,7 @@ impl ReadError {
 #[non_exhaustive]
 pub enum WriteError {
     /// The system refused.
-    #[error("{}: cannot write: {cause}", path.display())]
+    #[error("{}: cannot write: {}", path.display(), in_words(cause))]
     Io {
         /// File in question: the data file where header and data are detached.
         path: PathBuf,
@@ -187,6 +187,17 @@ impl WriteError {
             Self::Io { .. } => Fault::Io,
             Self::SampleBytes { .. } => Fault::Data,
             Self::NoGzip { .. } | Self::DataFileExists { .. } => Fault::Usage,
+        }
+    }
+}
+
+/// What the system says of an error, for people: without its number, and without the name of a temporary file.
+pub fn in_words(cause: &io::Error) -> String {
+    match cause.kind() {
+        io::ErrorKind::IsADirectory => "is a directory".to_owned(),
+        _ => {
+            let text = cause.to_string();
+            text.split_once(" (os error ").map_or(text.as_str(), |(words, _)| words).to_owned()
         }
     }
 }

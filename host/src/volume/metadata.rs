@@ -154,7 +154,7 @@ impl Metadata {
         part.lines.retain_mut(|line| {
             let HeaderLine::Field { name, value } = line else { return true };
             let is = |wanted| is_same_name(name, wanted);
-            if is("spacings") || is("space directions") {
+            if step > 1 && (is("spacings") || is("space directions")) {
                 *value = scaled(value, step);
             } else if is("space origin") && start != [0; 3] {
                 let Some(moved) = self.origin_of_part(start) else { return false };
@@ -268,7 +268,7 @@ mod tests {
         assert_eq!(whole.of_part([0; 3], 4), part);
         assert_eq!(whole.of_part([0; 3], 1), whole);
 
-        let directions = ("space directions", "(2,0,0) (0,0,3) (0.5,0,0)");
+        let directions = ("space directions", "(2.00,0,0) (0,0,3e0) (0.5,0,0)");
         let whole = with(&[directions, ("space origin", "(-1,0.25,7)")]);
         assert_eq!(whole.of_part([1, 2, 3], 1), with(&[directions, ("space origin", "(2.5,0.25,13)")]));
         let whole = with(&[("space origin", "(-1,0.25,7)")]);

@@ -12,12 +12,11 @@ mod nrrd;
 mod raw;
 pub mod synthetic;
 
-use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
-pub use error::{Fault, Found, ReadError, WriteError};
+pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 use input::Input;
 pub use metadata::{FileFormat, HeaderLine, Metadata, Source};
@@ -63,32 +62,6 @@ pub struct WriteOptions {
     pub gzip: bool,
 }
 
-/// Something in the metadata that the written file does not hold.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Loss {
-    /// What is missing: the name of a field, `2 comments`, `17 key/value pairs`.
-    pub what: String,
-    /// Format that has no place for it.
-    pub format: FileFormat,
-}
-
-impl Loss {
-    fn of_line(line: &HeaderLine, format: FileFormat) -> Self {
-        let what = match line {
-            HeaderLine::Comment(text) => format!("comment {}", error::excerpt(text)),
-            HeaderLine::Field { name, .. } => format!("field {}", error::excerpt(name)),
-            HeaderLine::KeyValue { key, .. } => format!("key {}", error::excerpt(key)),
-        };
-        Self { what, format }
-    }
-}
-
-impl fmt::Display for Loss {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {} has no place for it", self.what, self.format.name())
-    }
-}
-
 /// Reads a volume.
 ///
 /// With a layout the file is taken as raw, whatever its name. Without one the format is found by the extension
@@ -102,21 +75,41 @@ impl fmt::Display for Loss {
 /// Cost: one pass over the file; the samples are in memory once (twice at most while they come out of gzip or
 /// a FIFO), and are reversed in place if they are big-endian.
 pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
-    let mut input = Input::open(path)?;
-    if let Some(layout) = layout {
-        return raw::read(input, layout);
+    let input = Input::open(path)?;
+    match layout {
+        Some(layout) => raw::read(input, layout),
+        None => read_by_format(input, None),
     }
-    match FileFormat::of_path(path) {
+}
+
+/// Reads a volume whose layout is known from elsewhere: as [`read`] without a layout, but where the file is raw, it
+/// is taken to have that one.
+///
+/// # Errors
+///
+/// As [`read`], but for [`ReadError::NoLayout`].
+///
+/// Cost: as [`read`].
+pub fn read_known(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
+    read_by_format(Input::open(path)?, Some(layout))
+}
+
+fn read_by_format(mut input: Input, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
+    match FileFormat::of_path(input.path()) {
         FileFormat::Nrrd => nrrd::read(input),
         FileFormat::Npy => npy::read(input),
         FileFormat::Raw if input.starts_with(nrrd::MAGIC)? => nrrd::read(input),
         FileFormat::Raw if input.starts_with(npy::MAGIC)? => npy::read(input),
-        FileFormat::Raw => Err(ReadError::NoLayout { path: path.to_owned() }),
+        FileFormat::Raw => match layout {
+            Some(layout) => raw::read(input, layout),
+            None => Err(ReadError::NoLayout { path: input.path().to_owned() }),
+        },
     }
 }
 
 /// Writes a volume in the format of the path's extension: `.nrrd`, `.nhdr` (samples beside it in `.raw` or
-/// `.raw.gz`), `.npy`, and raw for any other. Returns what of the metadata that format does not hold.
+/// `.raw.gz`), `.npy`, and raw for any other. Returns what of the metadata that format has no place for: fields by
+/// name, `2 comments`, `17 key/value pairs`; for NRRD the single lines that no header can hold.
 ///
 /// The file appears whole or not at all, and an old one stays until then; see [`AtomicFile`].
 ///
@@ -125,7 +118,7 @@ pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError
 /// [`WriteError`]; nothing has changed at the path then.
 ///
 /// Cost: one pass over the samples.
-pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Vec<Loss>, WriteError> {
+pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Vec<String>, WriteError> {
     let expected = sample_bytes(volume.extent, volume.element).unwrap_or(u64::MAX);
     let found = volume.samples.len() as u64;
     if found != expected {
@@ -148,28 +141,37 @@ pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Vec
         file.commit()
     };
     write().map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
-    Ok(losses(&volume.metadata, format))
+    Ok(losses(&volume.metadata))
 }
 
 /// What a format that holds no lines loses: each field by name, comments and pairs by number.
-fn losses(metadata: &Metadata, format: FileFormat) -> Vec<Loss> {
+fn losses(metadata: &Metadata) -> Vec<String> {
     let (mut comments, mut pairs) = (0, 0);
     let mut losses = Vec::new();
     for line in &metadata.lines {
         match line {
             HeaderLine::Comment(_) => comments += 1,
             HeaderLine::KeyValue { .. } => pairs += 1,
-            HeaderLine::Field { .. } => losses.push(Loss::of_line(line, format)),
+            HeaderLine::Field { .. } => losses.push(name_of(line)),
         }
     }
-    for (count, one, many) in
-        [(comments, "comment", "comments"), (pairs, "key/value pair", "key/value pairs")]
-    {
-        if count > 0 {
-            losses.push(Loss { what: format!("{count} {}", if count == 1 { one } else { many }), format });
+    for (count, what) in [(comments, "comment"), (pairs, "key/value pair")] {
+        match count {
+            0 => {}
+            1 => losses.push(format!("1 {what}")),
+            _ => losses.push(format!("{count} {what}s")),
         }
     }
     losses
+}
+
+/// A line of a header in a few words; texts from the file are shortened and cannot write to a terminal.
+fn name_of(line: &HeaderLine) -> String {
+    match line {
+        HeaderLine::Comment(text) => format!("comment {}", error::excerpt(text)),
+        HeaderLine::Field { name, .. } => name.chars().take(48).flat_map(char::escape_debug).collect(),
+        HeaderLine::KeyValue { key, .. } => format!("key {}", error::excerpt(key)),
+    }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use header::{ByteSkip, Encoding, Header, is_structure, line_text, type_name};
 
 use super::element::{reorder, write_samples};
 use super::input::Input;
-use super::{ByteOrder, FileFormat, HeaderLine, Loss, Metadata, ReadError, Source, Volume, WriteError};
+use super::{ByteOrder, FileFormat, HeaderLine, Metadata, ReadError, Source, Volume, WriteError, name_of};
 use crate::atomic::AtomicFile;
 
 /// First bytes of every NRRD file.
@@ -60,7 +60,7 @@ pub(super) fn write(
     path: &Path,
     order: ByteOrder,
     gzip: bool,
-) -> Result<Vec<Loss>, WriteError> {
+) -> Result<Vec<String>, WriteError> {
     let encoding = if gzip { Encoding::Gzip } else { Encoding::Raw };
     let fault = |cause| WriteError::Io { path: path.to_owned(), cause };
     let (mut header, losses) = header_text(volume, order, encoding);
@@ -89,7 +89,7 @@ pub(super) fn write(
 }
 
 /// Header up to where the samples, or the name of their file, follow.
-fn header_text(volume: &Volume, order: ByteOrder, encoding: Encoding) -> (String, Vec<Loss>) {
+fn header_text(volume: &Volume, order: ByteOrder, encoding: Encoding) -> (String, Vec<String>) {
     let rank = volume.rank();
     let sizes: Vec<String> = volume.extent[..rank].iter().map(u64::to_string).collect();
     let version = if volume.metadata.field("measurement frame").is_some() { 5 } else { 4 };
@@ -107,7 +107,7 @@ fn header_text(volume: &Volume, order: ByteOrder, encoding: Encoding) -> (String
         let made_anew = matches!(line, HeaderLine::Field { name, .. } if is_structure(name));
         match line_text(line) {
             Some(line) if !made_anew => text += &(line + "\n"),
-            _ => losses.push(Loss::of_line(line, FileFormat::Nrrd)),
+            _ => losses.push(name_of(line)),
         }
     }
     (text, losses)
