@@ -1,5 +1,6 @@
-//! Arguments of `compress` that stand for more than a number.
+//! Arguments that stand for more than a number, or for fewer than all numbers.
 
+use std::num::NonZeroUsize;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -41,6 +42,16 @@ impl FromStr for Levels {
             _ => Err(LevelsError),
         }
     }
+}
+
+/// Not a number of threads.
+#[derive(Debug, thiserror::Error)]
+#[error("give a number of threads from 1")]
+pub(crate) struct ThreadsError;
+
+/// Reads a number of threads.
+pub(crate) fn parse_threads(text: &str) -> Result<NonZeroUsize, ThreadsError> {
+    text.parse().map_err(|_| ThreadsError)
 }
 
 /// Takes `auto`, `none`, or the name of a wavelet.

@@ -4,13 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use serde_json::json;
-use wavelift_host::codec::{self, Choice, CompressOptions};
-use wavelift_host::volume;
+use wavelift_host::codec::{self, Choice, CompressError, CompressOptions};
 
-use super::choice::{Levels, parse_brick, wavelet_choices};
+use super::choice::{Levels, parse_brick, parse_threads, wavelet_choices};
 use super::exit::Failure;
-use super::input::{RawArgs, refuse_same_file};
-use super::output::{print_json, tell, write_atomically};
+use super::input::{RawArgs, read_volume, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
 use super::progress;
 
 /// Compress a volume without loss
@@ -28,8 +27,8 @@ pub(crate) struct Args {
     pub(crate) input: PathBuf,
     /// Compressed file to write
     pub(crate) output: PathBuf,
-    /// Wavelet of the transform; auto takes the one that makes this volume smallest, none does without (smallest for
-    /// sparse, noisy or very smooth volumes, but leaves no coarse levels to read)
+    /// Wavelet of the transform; none does without (smallest for sparse, noisy or very smooth volumes), auto takes
+    /// whichever of all makes this volume smallest
     #[arg(long, value_name = "W", default_value = "auto", value_parser = wavelet_choices())]
     pub(crate) wavelet: Choice,
     /// Levels of the transform, each a resolution of half the samples along each axis: auto for as many as a brick
@@ -41,7 +40,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N|XxYxZ", value_parser = parse_brick)]
     pub(crate) brick: Option<[u32; 3]>,
     /// Threads to work on; the file is the same for any number [default: one per core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Report sizes and choices as JSON
     #[arg(long)]
@@ -56,8 +55,10 @@ pub(crate) struct Args {
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
-    let layout = args.raw.layout(None)?;
-    let volume = volume::read(&args.input, layout.as_ref())?;
+    if args.json {
+        refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
+    }
+    let volume = read_volume(&args.input, args.raw.layout(None)?.as_ref())?;
     let options = CompressOptions {
         wavelet: args.wavelet,
         levels: args.levels.count(),
@@ -67,8 +68,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let samples = volume.extent.into_iter().product();
     let bar = progress::bar("compressing", samples);
     let report = write_atomically(&args.output, |out| {
-        codec::compress(&volume, &options, out, &|samples| bar.inc(samples))
-            .map_err(|error| Failure::at(&args.output, error.kind(), error))
+        codec::compress(&volume, &options, out, &|samples| bar.inc(samples)).map_err(|error| match error {
+            CompressError::Io(cause) => Failure::cannot_write(&args.output, &cause),
+            fault => Failure::new(fault.kind(), fault),
+        })
     })?;
     drop(bar);
     let bits = 8.0 * report.container_bytes as f64 / samples as f64;
@@ -79,8 +82,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             "output": args.output.display().to_string(),
             "extent": volume.extent,
             "type": volume.element.name(),
+            "sample_bytes": report.sample_bytes,
+            "bytes": report.container_bytes,
             "bits_per_sample": bits,
-            "report": report,
+            "bricks": report.bricks,
+            "wavelet": report.wavelet,
+            "levels": report.levels,
+            "readable_levels": report.readable_levels,
+            "packed_values": report.packed_values,
         }));
     }
     tell(format_args!(

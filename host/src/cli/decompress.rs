@@ -4,12 +4,13 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use serde_json::json;
-use wavelift_host::codec::{Container, ContainerError, Part, Region};
+use wavelift_host::codec::{Container, Part, Region};
 use wavelift_host::volume::{self, ByteOrder, FileFormat, WriteOptions};
 
+use super::choice::parse_threads;
 use super::exit::Failure;
 use super::input::{byte_order_names, refuse_same_file};
-use super::output::{print_json, tell};
+use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
 use super::progress;
 
 /// Get a volume back: all of it, a region, or a coarse level
@@ -30,7 +31,8 @@ pub(crate) struct Args {
     /// Resolution: 0 is full, each level more has half the samples along each axis
     #[arg(long, value_name = "L", default_value_t = 0)]
     pub(crate) level: u8,
-    /// Samples from X0 up to but without X1, and so on, counted at full resolution
+    /// Samples from X0 up to but without X1, and so on, counted at full resolution; axes left out at the end are
+    /// taken whole
     #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1")]
     pub(crate) region: Option<Region>,
     /// Order of the bytes of a sample in OUTPUT [default: as it was in the file compressed]
@@ -40,7 +42,7 @@ pub(crate) struct Args {
     #[arg(long)]
     pub(crate) gzip: bool,
     /// Threads to work on [default: one per core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Report what was written as JSON
     #[arg(long)]
@@ -53,7 +55,10 @@ pub(crate) struct Args {
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
-    let at_input = |error: ContainerError| Failure::at(&args.input, error.kind(), error);
+    if args.json {
+        refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
+    }
+    let at_input = |error| Failure::of_container(&args.input, &error);
     let container = Container::open(&args.input).map_err(at_input)?;
     let part = Part { level: args.level, region: args.region };
     let bar = progress::bar("decompressing", container.samples_read(&part));
@@ -69,12 +74,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             "format": format.name(),
             "extent": volume.extent,
             "type": volume.element.name(),
-            "bytes": volume.samples.len(),
-            "not_kept": losses.iter().map(|loss| loss.what.clone()).collect::<Vec<_>>(),
+            "sample_bytes": volume.samples.len(),
+            "not_kept": losses,
         }));
     }
-    for loss in losses {
-        eprintln!("wavelift: {}: not kept: {loss}", args.output.display());
+    if !losses.is_empty() {
+        let (output, format, losses) = (args.output.display(), format.name(), losses.join(", "));
+        eprintln!("wavelift: {output}: {format} has no place for {losses}");
     }
     let [x, y, z] = volume.extent;
     tell(format_args!(

@@ -1,10 +1,12 @@
 //! Failures: what the user is told, and the exit code.
 
 use std::fmt::Display;
+use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
 
-use wavelift_host::volume::{Fault, ReadError, WriteError};
+use wavelift_host::codec::ContainerError;
+use wavelift_host::volume::{Fault, ReadError, WriteError, in_words};
 
 /// Why a command gave up.
 #[derive(Debug)]
@@ -23,6 +25,26 @@ impl Failure {
     /// A failure with a file; the message is completed to `FILE: message`.
     pub(crate) fn at(path: &Path, fault: Fault, message: impl Display) -> Self {
         Self::new(fault, format_args!("{}: {message}", path.display()))
+    }
+
+    /// A failure of a compressed file.
+    pub(crate) fn of_container(path: &Path, error: &ContainerError) -> Self {
+        match error {
+            ContainerError::Io(cause) if cause.kind() == ErrorKind::NotSeekable => Self::at(
+                path,
+                Fault::Io,
+                "a compressed file is read from its end, so it cannot come through a pipe: store it first",
+            ),
+            ContainerError::Io(cause) => {
+                Self::at(path, Fault::Io, format_args!("cannot read: {}", in_words(cause)))
+            }
+            _ => Self::at(path, error.kind(), error),
+        }
+    }
+
+    /// A failure of the system to write a file.
+    pub(crate) fn cannot_write(path: &Path, cause: &io::Error) -> Self {
+        Self::at(path, Fault::Io, format_args!("cannot write: {}", in_words(cause)))
     }
 
     /// Tells the user on standard error and returns the exit code.

@@ -1,10 +1,11 @@
 //! `wavelift info`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wavelift_host::codec::{Container, Index};
+use wavelift_host::codec::{Container, Values};
 use wavelift_host::volume::{HeaderLine, sample_bytes};
+use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
 use super::output::{print, print_json};
@@ -31,24 +32,26 @@ pub(crate) struct Args {
 /// A [`Failure`] if it is not a whole container.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let container =
-        Container::open(&args.input).map_err(|error| Failure::at(&args.input, error.kind(), error))?;
-    if args.json { print_json(&document(&container)) } else { print(&text(&container)) }
+        Container::open(&args.input).map_err(|error| Failure::of_container(&args.input, &error))?;
+    if args.json { print_json(&document(&args.input, &container)) } else { print(&text(&container)) }
 }
 
-fn document(container: &Container) -> Value {
+fn document(input: &Path, container: &Container) -> Value {
     let index = container.index();
     let metadata = &index.metadata;
     json!({
+        "input": input.display().to_string(),
         "extent": index.grid.extent,
         "type": index.element.name(),
-        "wavelet": wavelet(index),
-        "levels": index.levels,
-        "readable_levels": index.readable_levels,
-        "brick": index.grid.sides,
-        "bricks": index.bricks.len(),
         "sample_bytes": sample_bytes(index.grid.extent, index.element),
         "bytes": container.bytes(),
         "bits_per_sample": bits(container),
+        "brick": index.grid.sides,
+        "bricks": index.bricks.len(),
+        "wavelet": index.wavelet.map_or("none", Wavelet::name),
+        "levels": index.levels,
+        "readable_levels": index.readable_levels,
+        "packed_values": index.values.as_ref().map(Values::count),
         "source": {
             "format": metadata.source.format.name(),
             "byte_order": metadata.source.byte_order.name(),
@@ -58,8 +61,16 @@ fn document(container: &Container) -> Value {
         "name": metadata.name(),
         "spacing": metadata.spacing(),
         "origin": metadata.origin(),
-        "header": metadata.lines,
+        "header": metadata.lines.iter().map(entry).collect::<Vec<_>>(),
     })
+}
+
+fn entry(line: &HeaderLine) -> Value {
+    match line {
+        HeaderLine::Comment(text) => json!({ "comment": text }),
+        HeaderLine::Field { name, value } => json!({ "field": name, "value": value }),
+        HeaderLine::KeyValue { key, value } => json!({ "key": key, "value": value }),
+    }
 }
 
 fn text(container: &Container) -> String {
@@ -70,26 +81,25 @@ fn text(container: &Container) -> String {
     let mut lines = vec![
         format!("extent    {x} x {y} x {z}, x fastest"),
         format!("type      {}", index.element),
-        format!(
-            "wavelet   {}, {} levels, {} of them readable",
-            wavelet(index),
-            index.levels,
-            index.readable_levels
-        ),
+        match index.wavelet {
+            Some(wavelet) => format!("wavelet   {}, {} levels", wavelet.name(), index.levels),
+            None => "wavelet   none (no transform)".to_owned(),
+        },
+        match index.readable_levels {
+            0 => "levels    0, full resolution only".to_owned(),
+            coarsest => format!("levels    0 to {coarsest} can be read"),
+        },
         format!("bricks    {} of {a} x {b} x {c}", index.bricks.len()),
         format!("size      {} bytes, {:.3} bits a sample", container.bytes(), bits(container)),
         format!("source    {}, {} endian{fortran}", source.format.name(), source.byte_order.name()),
     ];
+    lines.extend(index.values.as_ref().map(|values| format!("packed    {} values", values.count())));
     lines.extend(index.metadata.lines.iter().map(|line| match line {
-        HeaderLine::Comment(text) => format!("          # {text}"),
+        HeaderLine::Comment(text) => format!("          #{text}"),
         HeaderLine::Field { name, value } => format!("          {name}: {value}"),
         HeaderLine::KeyValue { key, value } => format!("          {key} := {value}"),
     }));
     lines.join("\n") + "\n"
-}
-
-fn wavelet(index: &Index) -> &'static str {
-    index.wavelet.map_or("none", |wavelet| wavelet.name())
 }
 
 fn bits(container: &Container) -> f64 {

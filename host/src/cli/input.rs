@@ -4,7 +4,10 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use wavelift_host::volume::{ByteOrder, ElementType, Fault, RankedExtent, RawLayout};
+use wavelift_host::codec::Container;
+use wavelift_host::volume::{
+    self, ByteOrder, ElementType, Fault, RankedExtent, RawLayout, ReadError, Volume,
+};
 use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
@@ -42,6 +45,37 @@ impl RawArgs {
             (None, None, _) => Ok(None),
         }
     }
+
+    /// The layout with `known` in place of what is not given; `None` if nothing is given.
+    pub(crate) fn completed_by(&self, known: RawLayout) -> Option<RawLayout> {
+        let completed = RawLayout {
+            extent: self.extent.unwrap_or(known.extent),
+            element: self.element.unwrap_or(known.element),
+            byte_order: self.byte_order.unwrap_or(known.byte_order),
+        };
+        self.is_given().then_some(completed)
+    }
+
+    /// Whether any part of a layout is given.
+    pub(crate) const fn is_given(&self) -> bool {
+        self.extent.is_some() || self.element.is_some() || self.byte_order.is_some()
+    }
+}
+
+/// Reads a volume.
+///
+/// # Errors
+/// A [`Failure`], which tells a compressed file from a raw one without a layout.
+pub(crate) fn read_volume(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, Failure> {
+    volume::read(path, layout).map_err(|error| match error {
+        // What came through a pipe is gone, and cannot be looked at again.
+        ReadError::NoLayout { .. } | ReadError::LayoutMismatch { .. }
+            if path.is_file() && Container::is_container(path) =>
+        {
+            Failure::at(path, Fault::Usage, "is a wavelift file already: decompress it first")
+        }
+        other => other.into(),
+    })
 }
 
 /// Refuses to write a file over the one it is made from.
@@ -121,6 +155,18 @@ mod tests {
         for half in ["--extent 4x3", "--type u8", "--byte-order big", "--type u8 --byte-order big"] {
             layout(half, None).unwrap_err();
         }
+    }
+
+    #[test]
+    fn a_known_layout_gives_what_is_missing() {
+        let known =
+            parse("--extent 4x3 --type u16 --byte-order big").unwrap().raw.layout(None).unwrap().unwrap();
+        let completed = |words| parse(words).unwrap().raw.completed_by(known);
+        assert_eq!(completed(""), None);
+        assert_eq!(completed("--extent 4x3"), Some(known));
+        let other = completed("--type u8 --byte-order little").unwrap();
+        assert_eq!((other.extent, other.element), (known.extent, ElementType::U8));
+        assert_eq!(other.byte_order, ByteOrder::Little);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
 use wavelift_host::atomic::AtomicFile;
-use wavelift_host::volume::Fault;
+use wavelift_host::volume::{Fault, in_words};
 
 use super::exit::Failure;
 
@@ -13,9 +13,10 @@ use super::exit::Failure;
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(cause) if cause.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::new(Fault::Io, format_args!("cannot write to standard output: {cause}")))
-        }
+        Err(cause) if cause.kind() != ErrorKind::BrokenPipe => Err(Failure::new(
+            Fault::Io,
+            format_args!("cannot write to standard output: {}", in_words(&cause)),
+        )),
         _ => Ok(()),
     }
 }
@@ -34,7 +35,9 @@ pub(crate) fn tell(what: fmt::Arguments<'_>) {
 
 /// Writes a file of text that appears whole or not at all.
 pub(crate) fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
-    write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|cause| cannot_write(path, &cause)))
+    write_atomically(path, |file| {
+        file.write_all(text.as_bytes()).map_err(|cause| Failure::cannot_write(path, &cause))
+    })
 }
 
 /// Writes a file with `fill`; it appears whole or, if that fails, not at all.
@@ -42,12 +45,25 @@ pub(crate) fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut AtomicFile) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let mut file = AtomicFile::create(path).map_err(|cause| cannot_write(path, &cause))?;
+    let mut file = AtomicFile::create(path).map_err(|cause| Failure::cannot_write(path, &cause))?;
     let filled = fill(&mut file)?;
-    file.commit().map_err(|cause| cannot_write(path, &cause))?;
+    file.commit().map_err(|cause| Failure::cannot_write(path, &cause))?;
     Ok(filled)
 }
 
-fn cannot_write(path: &Path, cause: &io::Error) -> Failure {
-    Failure::at(path, Fault::Io, format_args!("cannot write: {cause}"))
+/// Names of standard output as a file.
+const STANDARD_OUTPUT: [&str; 3] = ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+
+/// Refuses to write a file into standard output where something else goes already.
+///
+/// # Errors
+/// A usage failure with `message` if `path` is standard output.
+pub(crate) fn refuse_standard_output(path: &Path, message: &str) -> Result<(), Failure> {
+    if STANDARD_OUTPUT.iter().any(|name| path == Path::new(name)) {
+        return Err(Failure::new(Fault::Usage, message));
+    }
+    Ok(())
 }
+
+/// What is told where `--json` and OUTPUT would mix.
+pub(crate) const JSON_AND_OUTPUT: &str = "--json and OUTPUT both go to standard output: leave one out";

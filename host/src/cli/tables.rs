@@ -6,7 +6,7 @@ use wavelift_host::tables::{self, Table};
 use wavelift_host::volume::{self, Volume};
 
 use super::exit::Failure;
-use super::input::{RawArgs, refuse_same_file};
+use super::input::{RawArgs, read_volume, refuse_same_file};
 use super::{output, progress};
 
 /// Compare the six wavelets on a volume, or on a built-in slice and brick
@@ -45,6 +45,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let (Some(input), Some(svg)) = (&args.input, &args.svg) {
         refuse_same_file(input, svg)?;
     }
+    if let Some(svg) = &args.svg {
+        let message = "the tables and --svg both go to standard output: give --svg another file";
+        output::refuse_standard_output(svg, message)?;
+    }
     let layout = args.raw.layout(None)?;
     let tables = match &args.input {
         None if layout.is_some() => {
@@ -54,7 +58,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         None => built_in(args.levels)?,
         Some(input) => {
             let title = input.file_name().unwrap_or(input.as_os_str()).to_string_lossy();
-            vec![measure(input, &title, &volume::read(input, layout.as_ref())?, args.levels)?]
+            vec![measure(input, &title, &read_volume(input, layout.as_ref())?, args.levels)?]
         }
     };
     if let Some(path) = &args.svg {

@@ -7,7 +7,8 @@ use wavelift_host::volume::{self, ElementType, Fault, WriteOptions};
 use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
-use super::input::{RawArgs, refuse_same_file, wavelet_names};
+use super::input::{RawArgs, read_volume, refuse_same_file, wavelet_names};
+use super::output::tell;
 
 /// Transform a volume to wavelet coefficients or back, without coding (for study and tests)
 ///
@@ -47,10 +48,19 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
     let layout = args.raw.layout(args.inverse.then_some(ElementType::I32))?;
-    let input = volume::read(&args.input, layout.as_ref())?;
+    let input = read_volume(&args.input, layout.as_ref())?;
     let direction = if args.inverse { transform::inverse } else { transform::forward };
     let output = direction(&input, args.wavelet, args.levels)
         .map_err(|error: TransformError| Failure::at(&args.input, Fault::Usage, error))?;
     volume::write(&output, &args.output, &WriteOptions::default())?;
+    let [x, y, z] = output.extent;
+    tell(format_args!(
+        "{}: {x}x{y}x{z} {}, {} of {} levels of wavelet {}",
+        args.output.display(),
+        output.element,
+        if args.inverse { "samples" } else { "coefficients" },
+        args.levels,
+        args.wavelet.name(),
+    ));
     Ok(())
 }

@@ -1,15 +1,17 @@
 //! `wavelift verify`.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
 use wavelift_host::codec::{Container, ContainerError, Part};
-use wavelift_host::volume::{self, Fault, Volume};
+use wavelift_host::volume::{self, Fault, RankedExtent, RawLayout, ReadError, Volume};
 
+use super::choice::parse_threads;
 use super::exit::Failure;
-use super::input::RawArgs;
+use super::input::{RawArgs, read_volume};
 use super::output::{print, print_json};
 use super::progress;
 
@@ -22,14 +24,15 @@ use super::progress;
 Examples:
   wavelift verify head.wlift
   wavelift verify head.wlift head.nrrd
-  wavelift verify engine.wlift engine.raw --extent 256x256x128 --type u8")]
+  wavelift verify engine.wlift engine.raw")]
 pub(crate) struct Args {
     /// Compressed file
     pub(crate) input: PathBuf,
-    /// Volume that was compressed: .nrrd, .nhdr, .npy, or raw samples with --extent and --type
+    /// Volume that was compressed: .nrrd, .nhdr, .npy, or raw samples, which are taken to lie as the compressed file
+    /// says unless --extent, --type or --byte-order say otherwise
     pub(crate) original: Option<PathBuf>,
     /// Threads to work on [default: one per core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
     /// Report what was found as JSON
     #[arg(long)]
@@ -41,59 +44,123 @@ pub(crate) struct Args {
 /// Checks a compressed file, and compares it with the original.
 ///
 /// # Errors
-/// A [`Failure`] if anything is damaged or differs; every damaged brick has been named on standard error then.
+/// A [`Failure`] if anything is damaged or differs; every damaged brick has been named then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let layout = args.raw.layout(None)?;
-    if let (None, Some(_)) = (&args.original, &layout) {
-        return Err(Failure::new(Fault::Usage, "--extent and --type describe ORIGINAL, which is not given"));
+    if args.original.is_none() && args.raw.is_given() {
+        let message = "--extent, --type and --byte-order describe ORIGINAL, which is not given";
+        return Err(Failure::new(Fault::Usage, message));
     }
-    let at_input = |error: ContainerError| Failure::at(&args.input, error.kind(), error);
-    let container = Container::open(&args.input).map_err(at_input)?;
-    let bricks = container.index().bricks.len();
-    match &args.original {
-        Some(path) => {
-            let original = volume::read(path, layout.as_ref())?;
-            let bar = progress::bar("comparing", container.samples_read(&Part::default()));
-            let decoded = container
-                .read(&Part::default(), args.threads, &|samples| bar.inc(samples))
-                .map_err(at_input)?;
-            drop(bar);
-            compare(&decoded, &original).map_err(|difference| Failure::at(path, Fault::Data, difference))?;
+    let findings = match Container::open(&args.input) {
+        Ok(container) => examine(args, &container)?,
+        Err(error) if error.kind() == Fault::Data => {
+            Findings { damaged: vec![error.to_string()], ..Findings::default() }
         }
-        None => check(args, &container)?,
-    }
-    let compared = args.original.as_ref().map(|path| path.display().to_string());
-    if args.json {
-        return print_json(&json!({
-            "input": args.input.display().to_string(),
-            "original": compared,
-            "bricks": bricks,
-            "whole": true,
-        }));
-    }
-    let equal = compared.map_or_else(String::new, |path| format!(", every sample equal to {path}"));
-    print(&format!("{}: {bricks} bricks, every checksum right{equal}\n", args.input.display()))
+        Err(error) => return Err(Failure::of_container(&args.input, &error)),
+    };
+    findings.tell(args)
 }
 
-/// Decodes every brick and names those that are damaged.
-fn check(args: &Args, container: &Container) -> Result<(), Failure> {
-    let damaged = AtomicUsize::new(0);
-    let bar = progress::bar("verifying", container.samples_read(&Part::default()));
-    let name = |error: ContainerError| {
-        damaged.fetch_add(1, Ordering::Relaxed);
-        bar.suspend(|| eprintln!("wavelift: {}: {error}", args.input.display()));
-    };
-    container
-        .verify(args.threads, &|samples| bar.inc(samples), &name)
-        .map_err(|error| Failure::at(&args.input, error.kind(), error))?;
-    drop(bar);
-    match damaged.into_inner() {
-        0 => Ok(()),
-        count => {
-            let bricks = container.index().bricks.len();
-            Err(Failure::at(&args.input, Fault::Data, format_args!("{count} of {bricks} bricks are damaged")))
+/// What was found out about a file.
+#[derive(Debug, Default)]
+struct Findings {
+    /// Number of bricks, unless not even that is known.
+    bricks: Option<usize>,
+    /// What is wrong with the file: all bricks that are damaged, or what keeps it from being opened.
+    damaged: Vec<String>,
+    /// Where it differs from the original.
+    difference: Option<String>,
+}
+
+impl Findings {
+    fn tell(self, args: &Args) -> Result<(), Failure> {
+        let original = args.original.as_ref().map(|path| path.display().to_string());
+        if args.json {
+            print_json(&json!({
+                "input": args.input.display().to_string(),
+                "original": original,
+                "bricks": self.bricks,
+                "whole": self.damaged.is_empty(),
+                "damaged": self.damaged,
+                "difference": self.difference,
+            }))?;
+        }
+        if let (Some(path), Some(difference)) = (&args.original, self.difference) {
+            return Err(Failure::at(path, Fault::Data, difference));
+        }
+        match (self.bricks, &self.damaged[..]) {
+            (_, []) if args.json => Ok(()),
+            (Some(bricks), []) => {
+                let equal =
+                    original.map_or_else(String::new, |path| format!(", every sample equal to {path}"));
+                print(&format!("{}: {bricks} bricks, every checksum right{equal}\n", args.input.display()))
+            }
+            (Some(bricks), damaged) => {
+                for brick in damaged {
+                    eprintln!("wavelift: {}: {brick}", args.input.display());
+                }
+                let message = format_args!("{} of {bricks} bricks are damaged", damaged.len());
+                Err(Failure::at(&args.input, Fault::Data, message))
+            }
+            (None, damaged) => Err(Failure::at(&args.input, Fault::Data, damaged.join(", "))),
         }
     }
+}
+
+fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
+    let bricks = Some(container.index().bricks.len());
+    let Some(path) = &args.original else {
+        return Ok(Findings { bricks, damaged: damaged(args, container)?, difference: None });
+    };
+    let original = read_original(args, path, container)?;
+    let bar = progress::bar("comparing", container.samples_read(&Part::default()));
+    match container.read(&Part::default(), args.threads, &|samples| bar.inc(samples)) {
+        Ok(decoded) => {
+            Ok(Findings { bricks, damaged: Vec::new(), difference: compare(&decoded, &original).err() })
+        }
+        // Reading checks everything, but stops at the first damaged brick.
+        Err(ContainerError::Brick { .. }) => {
+            drop(bar);
+            Ok(Findings { bricks, damaged: damaged(args, container)?, difference: None })
+        }
+        Err(error) => Err(Failure::of_container(&args.input, &error)),
+    }
+}
+
+/// Decodes every brick and tells those that are damaged, in their order.
+fn damaged(args: &Args, container: &Container) -> Result<Vec<String>, Failure> {
+    let errors = Mutex::new(Vec::new());
+    let bar = progress::bar("verifying", container.samples_read(&Part::default()));
+    let note = |error| errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
+    let at_input = |error: &ContainerError| Failure::of_container(&args.input, error);
+    container.verify(args.threads, &|samples| bar.inc(samples), &note).map_err(|error| at_input(&error))?;
+    let mut damaged = BTreeMap::new();
+    for error in errors.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        let ContainerError::Brick { index, .. } = error else { return Err(at_input(&error)) };
+        damaged.insert(index, error.to_string());
+    }
+    Ok(damaged.into_values().collect())
+}
+
+/// Reads the original; as a raw file it lies as the compressed file says, but for what is given.
+fn read_original(args: &Args, path: &Path, container: &Container) -> Result<Volume, Failure> {
+    let index = container.index();
+    let known = RawLayout {
+        extent: RankedExtent::new(&index.grid.extent)
+            .map_err(|fault| Failure::at(&args.input, Fault::Data, fault))?,
+        element: index.element,
+        byte_order: index.metadata.source.byte_order,
+    };
+    if let Some(layout) = args.raw.completed_by(known) {
+        return read_volume(path, Some(&layout));
+    }
+    volume::read_known(path, &known).map_err(|error| match error {
+        ReadError::LayoutMismatch { layout, expected, found, .. } => {
+            let message =
+                format!("has {found} bytes, but the compressed file holds {layout}, {expected} bytes");
+            Failure::at(path, Fault::Data, message)
+        }
+        other => other.into(),
+    })
 }
 
 /// Whether two volumes have the same extent, type and samples; if not, where they differ first.

@@ -1,5 +1,7 @@
 //! Faults: exit code, a message that names file and fault, and nothing left behind.
 
+use serde_json::{Value, json};
+
 use crate::files::{nrrd, smooth_u16};
 use crate::run::Folder;
 
@@ -22,7 +24,7 @@ fn folder() -> Folder {
     folder.write("empty", "");
     folder.write("text.wlift", "no container");
     folder.run("compress in.nrrd a.wlift --wavelet linear --levels 2 --brick 8").silent();
-    folder.run("compress in.nrrd none.wlift --wavelet none").silent();
+    folder.run("compress float.raw float.wlift --extent 9 --type f32").silent();
     std::fs::create_dir(folder.path("dir")).unwrap();
     folder
 }
@@ -67,7 +69,11 @@ fn wrong_words_are_told() {
             ("compress in.raw OUT --type u16 --extent 9x7x5 --levels 32", 2, &["32", "--levels"]),
             ("compress in.raw OUT --type u16 --extent 9x7x5 --brick 0", 2, &["--brick"]),
             ("compress in.raw OUT --type u16 --extent 9x7x5 --brick 8x", 2, &["8x", "--brick"]),
-            ("compress in.raw OUT --type u16 --extent 9x7x5 --threads 0", 2, &["'0'", "--threads"]),
+            (
+                "compress in.raw OUT --type u16 --extent 9x7x5 --threads 0",
+                2,
+                &["'0'", "--threads", "give a number of threads from 1"],
+            ),
             ("compress in.raw OUT --type u16 --extent 9x7x5 --compress", 2, &["--compress"]),
             ("compress in.nrrd", 2, &["<OUTPUT>"]),
             ("decompress a.wlift OUT --region 0:9,0:7:0:5", 2, &["0:9,0:7:0:5", "--region"]),
@@ -85,20 +91,32 @@ fn contradictions_are_told() {
     refuse(
         &folder(),
         &[
-            ("compress in.nrrd OUT --wavelet none --levels 3", 2, &["none", "3", "contradict"]),
-            ("compress in.nrrd OUT --wavelet cubic --levels 0", 2, &["cubic", "0", "contradict"]),
-            ("compress in.nrrd OUT --levels 5", 2, &["at most 4", "levels"]),
+            (
+                "compress in.nrrd OUT --wavelet none --levels 3",
+                2,
+                &["wavelift: --wavelet none", "3", "contradict"],
+            ),
+            (
+                "compress in.nrrd OUT --wavelet cubic --levels 0",
+                2,
+                &["wavelift: --wavelet cubic", "0", "contradict"],
+            ),
+            ("compress in.nrrd OUT --levels 5", 2, &["wavelift: bricks of 9x7x5", "at most 4 levels"]),
             ("compress in.nrrd OUT --levels 3 --brick 4", 2, &["at most 2", "levels"]),
             ("compress in.raw OUT --extent 9x7x5", 2, &["--extent", "--type"]),
             ("compress in.raw OUT --type u16", 2, &["--type", "--extent"]),
             ("compress in.nrrd OUT --byte-order big", 2, &["--byte-order"]),
             ("decompress a.wlift OUT --level 3", 2, &["a.wlift", "level 3", "2"]),
-            ("decompress none.wlift OUT --level 1", 2, &["none.wlift", "level 1", "without a transform"]),
+            ("decompress float.wlift OUT --level 1", 2, &["float.wlift", "level 1", "full resolution only"]),
             ("decompress a.wlift OUT --region 0:10,0:7,0:5", 2, &["a.wlift", "0:10,0:7,0:5", "9x7x5"]),
             ("decompress a.wlift OUT --region 1:2,1:2,1:2 --level 1", 2, &["a.wlift", "1:2,1:2,1:2"]),
             ("decompress a.wlift OUT --gzip", 2, &["OUT", "gzip"]),
             ("decompress a.wlift a.wlift", 2, &["a.wlift", "input"]),
             ("decompress a.wlift ./dir/../a.wlift", 2, &["a.wlift", "input"]),
+            ("compress a.wlift OUT", 2, &["a.wlift: is a wavelift file already: decompress it first"]),
+            ("compress a.wlift OUT --extent 9 --type u8", 2, &["a.wlift: is a wavelift file already"]),
+            ("transform a.wlift OUT --wavelet haar --levels 1", 2, &["a.wlift: is a wavelift file already"]),
+            ("tables a.wlift", 2, &["a.wlift: is a wavelift file already"]),
             ("compress in.nrrd in.nrrd", 2, &["in.nrrd", "input"]),
             ("transform in.nrrd in.nrrd --wavelet haar --levels 1", 2, &["in.nrrd", "input"]),
             ("tables in.nrrd --svg in.nrrd", 2, &["in.nrrd", "input"]),
@@ -106,6 +124,7 @@ fn contradictions_are_told() {
             ("tables --extent 9x7x5 --type u16", 2, &["--extent"]),
             ("tables float.raw --extent 9 --type f32", 2, &["float.raw", "f32"]),
             ("verify a.wlift --extent 9x7x5 --type u16", 2, &["ORIGINAL"]),
+            ("verify a.wlift --byte-order big", 2, &["ORIGINAL"]),
             ("transform in.nrrd OUT --wavelet haar --levels 5", 2, &["in.nrrd", "5", "at most 4"]),
             ("transform in.nrrd OUT --wavelet haar --levels 1 --inverse", 2, &["in.nrrd", "i32", "u16"]),
             (
@@ -138,6 +157,7 @@ fn files_that_do_not_fit_are_told() {
             ("info in.nrrd", 3, &["in.nrrd", "not a wavelift file"]),
             ("verify empty", 3, &["empty", "not a wavelift file"]),
             ("verify a.wlift wrong.npy", 3, &["wrong.npy"]),
+            ("verify a.wlift float.raw", 3, &["float.raw: has 36 bytes", "9x7x5 of u16, 630 bytes"]),
         ],
     );
 }
@@ -149,23 +169,27 @@ fn what_the_system_refuses_is_told() {
         &[
             ("compress missing.raw OUT --extent 1 --type u8", 4, &["missing.raw", "cannot read"]),
             ("compress missing.nrrd OUT", 4, &["missing.nrrd", "cannot read"]),
-            ("compress dir OUT", 4, &["dir", "cannot read", "directory"]),
-            ("compress dir OUT --extent 1 --type u8", 4, &["dir", "cannot read", "directory"]),
+            ("compress dir OUT", 4, &["dir: cannot read: is a directory"]),
+            ("compress dir OUT --extent 1 --type u8", 4, &["dir: cannot read: is a directory"]),
             ("decompress missing.wlift OUT", 4, &["missing.wlift", "cannot read"]),
-            ("decompress dir OUT", 4, &["dir", "cannot read"]),
+            ("decompress dir OUT", 4, &["dir: cannot read: is a directory"]),
             ("info missing.wlift", 4, &["missing.wlift", "cannot read"]),
-            ("info dir", 4, &["dir", "cannot read"]),
+            ("info dir", 4, &["dir: cannot read: is a directory"]),
             ("verify missing.wlift", 4, &["missing.wlift", "cannot read"]),
             ("verify a.wlift missing.nrrd", 4, &["missing.nrrd", "cannot read"]),
             ("tables missing.nrrd", 4, &["missing.nrrd", "cannot read"]),
             ("transform missing.nrrd OUT --wavelet haar --levels 1", 4, &["missing.nrrd", "cannot read"]),
-            ("compress in.nrrd dir", 4, &["dir", "cannot write", "directory"]),
-            ("compress in.nrrd missing/OUT", 4, &["missing/OUT", "cannot write"]),
+            ("compress in.nrrd dir", 4, &["dir: cannot write: is a directory"]),
+            (
+                "compress in.nrrd missing/OUT",
+                4,
+                &["missing/OUT: cannot write: the folder missing does not exist"],
+            ),
             ("compress in.nrrd in.raw/OUT", 4, &["in.raw/OUT", "cannot write"]),
-            ("decompress a.wlift dir", 4, &["dir", "cannot write", "directory"]),
-            ("decompress a.wlift missing/OUT", 4, &["missing/OUT", "cannot write"]),
+            ("decompress a.wlift dir", 4, &["dir: cannot write: is a directory"]),
+            ("decompress a.wlift missing/OUT", 4, &["missing/OUT", "the folder missing does not exist"]),
             ("decompress a.wlift missing/OUT.nhdr", 4, &["missing/", "cannot write"]),
-            ("tables in.nrrd --svg missing/OUT", 4, &["missing/OUT", "cannot write"]),
+            ("tables in.nrrd --svg missing/OUT", 4, &["missing/OUT", "the folder missing does not exist"]),
             ("transform in.nrrd missing/OUT --wavelet haar --levels 1", 4, &["missing/OUT", "cannot write"]),
         ],
     );
@@ -248,11 +272,39 @@ fn a_damaged_brick_is_named_and_the_others_are_readable() {
     let mut damaged = folder.read("a.wlift");
     damaged[12] ^= 1;
     folder.write("damaged.wlift", &damaged);
-    folder.run("verify damaged.wlift").fails(3, &["brick 0", "0:8,0:7,0:5", "1 of 2 bricks"]);
+    for command in ["verify damaged.wlift", "verify damaged.wlift in.nrrd"] {
+        folder.run(command).fails(3, &["brick 0", "0:8,0:7,0:5", "1 of 2 bricks"]);
+    }
     folder.run("decompress damaged.wlift OUT").fails(3, &["brick 0", "0:8,0:7,0:5"]);
     folder.run("decompress damaged.wlift part.raw --region 8:9,0:7,0:5").silent();
     folder.run("decompress a.wlift whole.raw --region 8:9,0:7,0:5").silent();
     assert_eq!(folder.read("part.raw"), folder.read("whole.raw"));
+}
+
+#[test]
+fn every_damaged_brick_is_named_in_json_too() {
+    let folder = folder();
+    let mut file = folder.read("a.wlift");
+    let footer = file.len() - 32;
+    let index = u64::from_le_bytes(std::array::from_fn(|i| file[footer + i])) as usize;
+    file[12] ^= 1;
+    file[index - 1] ^= 1;
+    folder.write("damaged.wlift", &file);
+    for command in ["verify damaged.wlift --json", "verify damaged.wlift in.nrrd --json"] {
+        let document = folder.run(command).fails_with_json(3, "2 of 2 bricks");
+        let damaged = document["damaged"].as_array().unwrap();
+        assert_eq!((&document["whole"], &document["bricks"]), (&json!(false), &json!(2)));
+        assert!(
+            damaged
+                .iter()
+                .zip(["brick 0", "brick 1"])
+                .all(|(message, brick)| { message.as_str().unwrap().contains(brick) })
+        );
+    }
+    folder.write("cut.wlift", &file[..footer]);
+    let document = folder.run("verify cut.wlift --json").fails_with_json(3, "cut.wlift: truncated");
+    assert_eq!((&document["whole"], &document["bricks"]), (&json!(false), &Value::Null));
+    assert_eq!(document["damaged"].as_array().map(Vec::len), Some(1));
 }
 
 #[test]

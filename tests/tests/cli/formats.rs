@@ -6,6 +6,7 @@ use std::io::{Read, Write};
 use flate2::Compression;
 use flate2::read::GzDecoder;
 use flate2::write::GzEncoder;
+use serde_json::json;
 
 use crate::files::{TYPES, noise, npy, nrrd, smooth_u16, split_nrrd, swapped};
 use crate::run::Folder;
@@ -25,6 +26,7 @@ fn raw_files_of_every_type_and_byte_order_come_back() {
                 folder.run(&format!("compress in.raw a.wlift {layout}")).silent();
                 folder.run("decompress a.wlift out.raw").silent();
                 assert_eq!(folder.read("out.raw"), original, "{layout}");
+                folder.run("verify a.wlift in.raw").ok();
                 folder.run(&format!("verify a.wlift in.raw {layout}")).ok();
                 let other = if order == "big" { "little" } else { "big" };
                 folder.run(&format!("decompress a.wlift out.raw --byte-order {other}")).silent();
@@ -198,11 +200,10 @@ fn what_a_format_cannot_hold_is_named() {
     folder.write("in.nrrd", nrrd(&lines, &[1, 2, 3]));
     folder.run("compress in.nrrd a.wlift").silent();
     let outcome = folder.run("decompress a.wlift out.npy").ok();
-    for part in ["out.npy", "spacings", "1 comment", "1 key/value pair", ".npy has no place"] {
-        assert!(outcome.stderr().contains(part), "{part}: {}", outcome.stderr());
-    }
+    let expected = "wavelift: out.npy: .npy has no place for spacings, 1 comment, 1 key/value pair\n";
+    assert_eq!(outcome.stderr(), expected);
     let document = folder.run("decompress a.wlift out.npy --json").json();
-    assert_eq!(document["not_kept"].as_array().map(Vec::len), Some(3), "{document}");
+    assert_eq!(document["not_kept"], json!(["spacings", "1 comment", "1 key/value pair"]));
 }
 
 #[test]

@@ -144,6 +144,21 @@ fn a_region_is_cut_out_of_the_volume() {
 }
 
 #[test]
+fn axes_that_a_region_leaves_out_are_taken_whole() {
+    let folder = Folder::new();
+    let samples = noise(20 * 13 * 6, 4);
+    folder.write("in.raw", &samples);
+    folder.run("compress in.raw a.wlift --extent 20x13x6 --type u8 --brick 8").silent();
+    for (text, region) in [("7:9", [7..9, 0..13, 0..6]), ("7:9,4:6", [7..9, 4..6, 0..6])] {
+        folder.run(&format!("decompress a.wlift out.raw --region {text}")).silent();
+        assert_eq!(folder.read("out.raw"), crop(&samples, [20, 13], 1, region), "{text}");
+    }
+    folder.run("compress in.raw a.wlift --extent 40x39 --type u8").silent();
+    folder.run("decompress a.wlift out.raw --region 3:5,38:39").silent();
+    assert_eq!(folder.read("out.raw"), samples[38 * 40 + 3..38 * 40 + 5]);
+}
+
+#[test]
 fn a_region_of_a_level_is_cut_out_of_the_level() {
     let folder = Folder::new();
     folder.write("in.raw", smooth_u16([20, 13, 6]));
@@ -159,6 +174,7 @@ fn a_region_keeps_its_place_in_space() {
     let mut lines =
         vec!["NRRD0004", "type: uint16", "dimension: 3", "sizes: 20 13 6", "endian: little", "encoding: raw"];
     lines.extend([
+        "spacings: 2.00 5e-1 3",
         "space dimension: 3",
         "space directions: (2,0,0) (0,0.5,0) (0,0,-3)",
         "space origin: (10,20,30)",
@@ -169,6 +185,12 @@ fn a_region_keeps_its_place_in_space() {
     let file = folder.read("out.nrrd");
     let (header, _) = split_nrrd(&file);
     for line in ["sizes: 4 1 2", "space directions: (4,0,0) (0,1,0) (0,0,-6)", "space origin: (18,21,24)"] {
+        assert!(header.contains(&line), "{line}: {header:?}");
+    }
+    folder.run("decompress a.wlift out.nrrd --region 4:12,2:4,1:6").silent();
+    let file = folder.read("out.nrrd");
+    let (header, _) = split_nrrd(&file);
+    for line in ["spacings: 2.00 5e-1 3", "space directions: (2,0,0) (0,0.5,0) (0,0,-3)"] {
         assert!(header.contains(&line), "{line}: {header:?}");
     }
 }

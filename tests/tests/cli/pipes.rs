@@ -22,6 +22,36 @@ fn volumes_come_and_go_through_pipes() {
 }
 
 #[test]
+fn a_compressed_file_does_not_come_through_a_pipe() {
+    let folder = Folder::new();
+    folder.write("in.raw", [7; 8]);
+    folder.run("compress in.raw a.wlift --extent 8 --type u8").silent();
+    for command in ["info /dev/stdin", "verify /dev/stdin", "decompress /dev/stdin out.raw"] {
+        let outcome = folder.shell(&format!("cat a.wlift | wavelift {command}"));
+        outcome.fails(4, &["/dev/stdin: a compressed file is read from its end", "through a pipe"]);
+    }
+    folder.shell("wavelift info /dev/stdin < a.wlift").ok();
+    let told = "/dev/stdin: a raw file does not say its extent";
+    folder.shell("cat a.wlift | wavelift compress /dev/stdin b.wlift").fails(2, &[told]);
+}
+
+#[test]
+fn standard_output_takes_one_thing() {
+    let folder = Folder::new();
+    folder.write("in.raw", [7; 8]);
+    folder.run("compress in.raw a.wlift --extent 8 --type u8").silent();
+    let told = "wavelift: --json and OUTPUT both go to standard output: leave one out";
+    for name in ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"] {
+        folder.run(&format!("compress in.raw {name} --extent 8 --type u8 --json")).fails(2, &[told]);
+        folder.run(&format!("decompress a.wlift {name} --json")).fails(2, &[told]);
+        for json in ["", "--json"] {
+            let command = format!("tables in.raw --extent 8 --type u8 --svg {name} {json}");
+            folder.run(&command).fails(2, &["the tables and --svg both go to standard output"]);
+        }
+    }
+}
+
+#[test]
 fn a_pipe_with_too_few_or_too_many_samples_is_refused() {
     let folder = Folder::new();
     folder.write("in.raw", [0; 100]);

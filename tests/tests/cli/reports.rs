@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::files::{nrrd, smooth_u16};
+use crate::files::{noise, nrrd, smooth_u16};
 use crate::run::Folder;
 
 /// A folder with a volume, `in.nrrd`, and the same compressed, `a.wlift`.
@@ -26,10 +26,30 @@ fn compress_reports_sizes_and_choices() {
     assert_eq!((&document["input"], &document["output"]), (&json!("in.nrrd"), &json!("b.wlift")));
     assert_eq!(document["type"], "u16");
     assert!((document["bits_per_sample"].as_f64().unwrap() - 8.0 * bytes as f64 / 1560.0).abs() < 1e-9);
-    let document = document.to_string();
-    for part in [format!(":{bytes}"), ":3120".into(), "\"cubic\"".into(), "\"levels\":3".into()] {
-        assert!(document.contains(&part), "{part}: {document}");
+    assert_eq!((&document["bytes"], &document["sample_bytes"]), (&json!(bytes), &json!(3120)));
+    assert_eq!((&document["wavelet"], &document["levels"]), (&json!("cubic"), &json!(3)));
+    let info = folder.run("info b.wlift --json").json();
+    for (name, value) in document.as_object().unwrap() {
+        assert!(["input", "output"].contains(&name.as_str()) || info[name] == *value, "{name}: {info}");
     }
+}
+
+#[test]
+fn a_file_without_a_transform_is_told_as_such() {
+    let folder = Folder::new();
+    let samples: Vec<u8> = noise(8 * 8 * 8, 1).into_iter().map(|byte| byte / 86 * 100).collect();
+    folder.write("in.raw", samples);
+    let options = "--extent 8x8x8 --type u8 --wavelet none --json";
+    let document = folder.run(&format!("compress in.raw a.wlift {options}")).json();
+    assert_eq!((&document["wavelet"], &document["packed_values"]), (&json!("none"), &json!(3)));
+    let info = folder.run("info a.wlift").ok();
+    for line in ["wavelet   none (no transform)", "levels    0 to 3 can be read", "packed    3 values"] {
+        assert!(info.stdout().lines().any(|found| found == line), "{line}: {}", info.stdout());
+    }
+    folder.write("floats.raw", [0; 32]);
+    folder.run("compress floats.raw a.wlift --extent 8 --type f32").silent();
+    let info = folder.run("info a.wlift").ok();
+    assert!(info.stdout().contains("\nlevels    0, full resolution only\n"), "{}", info.stdout());
 }
 
 #[test]
@@ -38,7 +58,7 @@ fn decompress_reports_what_was_written() {
     let document = folder.run("decompress a.wlift out.nrrd --level 1 --json").json();
     assert_eq!(document["extent"], json!([10, 7, 3]));
     assert_eq!((&document["type"], &document["format"]), (&json!("u16"), &json!("NRRD")));
-    assert_eq!(document["bytes"], 420);
+    assert_eq!(document["sample_bytes"], 420);
     assert_eq!(document["not_kept"], json!([]));
 }
 
@@ -56,7 +76,8 @@ fn info_tells_all_that_the_file_says() {
         "little",
         "spacings: 0.5 1 3",
         "a hill",
-        "measured twice",
+        "levels    0 to 3 can be read",
+        "          # measured twice\n",
         "J. Doe",
         "bits a sample",
     ];
@@ -81,7 +102,13 @@ fn info_tells_all_that_the_file_says() {
         assert_eq!(document[field], value, "{field}: {document}");
     }
     assert_eq!(document["source"]["format"], "NRRD");
-    assert!(document["header"].to_string().contains("J. Doe"));
+    let header = json!([
+        { "field": "spacings", "value": "0.5 1 3" },
+        { "field": "content", "value": "a hill" },
+        { "comment": " measured twice" },
+        { "key": "operator", "value": "J. Doe" },
+    ]);
+    assert_eq!(document["header"], header);
 }
 
 #[test]
@@ -93,6 +120,7 @@ fn verify_tells_what_was_checked_and_what_differs() {
     assert!(compared.stdout().contains("equal to in.nrrd"), "{}", compared.stdout());
     let document = folder.run("verify a.wlift in.nrrd --json").json();
     assert_eq!((&document["original"], &document["whole"]), (&json!("in.nrrd"), &json!(true)));
+    assert_eq!((&document["damaged"], &document["difference"]), (&json!([]), &Value::Null));
     assert_eq!(folder.run("verify a.wlift --json").json()["bricks"], 6);
 
     let mut changed = smooth_u16([20, 13, 6]);
@@ -100,6 +128,9 @@ fn verify_tells_what_was_checked_and_what_differs() {
     folder.write("other.raw", changed);
     let layout = "--extent 20x13x6 --type u16";
     folder.run(&format!("verify a.wlift other.raw {layout}")).fails(3, &["other.raw", "(7, 4, 2)"]);
+    let document = folder.run("verify a.wlift other.raw --json").fails_with_json(3, "(7, 4, 2)");
+    assert_eq!(document["whole"], true);
+    assert!(document["difference"].as_str().unwrap().contains("(7, 4, 2)"), "{document}");
     let other = "--extent 13x20x6 --type u16";
     folder.run(&format!("verify a.wlift other.raw {other}")).fails(3, &["other.raw", "13x20x6", "20x13x6"]);
     folder.run("verify a.wlift other.raw --extent 20x13x6 --type i16").fails(3, &["other.raw", "i16", "u16"]);

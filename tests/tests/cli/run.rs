@@ -119,6 +119,18 @@ impl Outcome {
         serde_json::from_str(self.stdout()).unwrap_or_else(|error| panic!("{error}: {}", self.told()))
     }
 
+    /// Failed with that exit code and a message, with one JSON document on standard output.
+    pub(crate) fn fails_with_json(&self, code: i32, part: &str) -> Value {
+        let message = self.stderr();
+        assert!(
+            self.output.status.code() == Some(code) && message.starts_with("wavelift: "),
+            "{}",
+            self.told()
+        );
+        assert!(message.contains(part), "{part} expected: {}", self.told());
+        serde_json::from_str(self.stdout()).unwrap_or_else(|error| panic!("{error}: {}", self.told()))
+    }
+
     /// Failed with that exit code and a message that holds all of `parts`, and said nothing to standard output.
     pub(crate) fn fails(&self, code: i32, parts: &[&str]) {
         let message = self.stderr();
@@ -126,6 +138,7 @@ impl Outcome {
         let told = begins && message.ends_with('\n') && parts.iter().all(|part| message.contains(part));
         assert!(self.output.status.code() == Some(code), "code {code} expected: {}", self.told());
         assert!(told && self.output.stdout.is_empty(), "{parts:?} expected: {}", self.told());
+        assert!(!message.contains("os error") && !message.contains(".wavelift-"), "{}", self.told());
         assert!(!message.contains("panicked") && !message.contains("Error {"), "{}", self.told());
     }
 }

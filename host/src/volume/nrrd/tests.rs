@@ -92,7 +92,7 @@ fn a_written_header_has_every_line_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("b.nrrd");
     let volume = rich();
-    assert_eq!(crate::volume::write(&volume, &path, &WriteOptions::default()).unwrap(), []);
+    assert!(crate::volume::write(&volume, &path, &WriteOptions::default()).unwrap().is_empty());
     let bytes = fs::read(&path).unwrap();
     let start = "NRRD0005\ntype: uint16\ndimension: 3\nsizes: 3 2 1\nendian: big\nencoding: raw\n# Complete";
     assert!(bytes.starts_with(start.as_bytes()));
@@ -119,8 +119,8 @@ fn lines_that_would_break_a_header_are_left_out_and_named() {
     volume.metadata.lines.extend(good.clone());
     let losses = crate::volume::write(&volume, &path, &WriteOptions::default()).unwrap();
     assert_eq!(losses.len(), 7);
-    assert_eq!(losses[3].to_string(), "comment \"cut\\r\": NRRD has no place for it");
-    assert_eq!(losses[1].what, "field \"sizes\"");
+    assert_eq!(losses[3], "comment \"cut\\r\"");
+    assert_eq!(losses[1], "sizes");
     volume.metadata.lines = good.to_vec();
     assert_eq!(read_volume(&path, None).unwrap(), volume);
 }
@@ -136,7 +136,7 @@ fn every_type_order_encoding_and_form_comes_back() {
                 let path = folder.path().join(name);
                 let mut volume = generate(Kind::Noise, extent, element, 1);
                 let options = WriteOptions { byte_order: Some(byte_order), gzip };
-                assert_eq!(crate::volume::write(&volume, &path, &options).unwrap(), []);
+                assert!(crate::volume::write(&volume, &path, &options).unwrap().is_empty());
                 let byte_order = if element.bytes() == 1 { ByteOrder::Little } else { byte_order };
                 volume.metadata.source =
                     Source { format: FileFormat::Nrrd, byte_order, fortran_order: false };
