@@ -1,4 +1,4 @@
-//! Arguments that stand for more than a number, or for fewer than all numbers.
+//! Words on the command line that are neither plain numbers nor names of a list.
 
 use std::num::NonZeroUsize;
 use std::str::FromStr;

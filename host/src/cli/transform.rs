@@ -54,13 +54,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|error: TransformError| Failure::at(&args.input, Fault::Usage, error))?;
     volume::write(&output, &args.output, &WriteOptions::default())?;
     let [x, y, z] = output.extent;
-    tell(format_args!(
-        "{}: {x}x{y}x{z} {}, {} of {} levels of wavelet {}",
-        args.output.display(),
-        output.element,
-        if args.inverse { "samples" } else { "coefficients" },
-        args.levels,
-        args.wavelet.name(),
-    ));
+    let made = if args.inverse { "samples" } else { "coefficients" };
+    let (output, levels, wavelet) = (args.output.display(), args.levels, args.wavelet.name());
+    tell(format_args!("{output}: {x}x{y}x{z} {made}, {levels} levels of {wavelet}"));
     Ok(())
 }

@@ -24,7 +24,8 @@ use super::progress;
 Examples:
   wavelift verify head.wlift
   wavelift verify head.wlift head.nrrd
-  wavelift verify engine.wlift engine.raw")]
+  wavelift verify engine.wlift engine.raw",
+    mut_arg("byte_order", |arg| arg.help("Order of the bytes of a sample in the file [default: as it was in the file compressed]")))]
 pub(crate) struct Args {
     /// Compressed file
     pub(crate) input: PathBuf,

@@ -58,10 +58,12 @@ impl Equations {
         self.reset();
         let [width, height, depth] = low_pass.sides;
         let planes = if first_plane { 1 } else { depth.saturating_sub(1) };
-        // An odd step meets rows at every height; the top rows of planes know too little to learn from.
+        // An odd step meets rows at every height; the top rows of planes know too little to learn from, unless there is no other.
         let every = width.wrapping_mul(height).wrapping_mul(planes).div_ceil(SAMPLES) | 1;
         let shift = excess_bits(coefficients);
-        for [y, z] in low_pass.rows().filter(|&[y, z]| y > 0 && (z == 0) == first_plane).step_by(every) {
+        for [y, z] in
+            low_pass.rows().filter(|&[y, z]| (y > 0 || height == 1) && (z == 0) == first_plane).step_by(every)
+        {
             let Some((before, row)) = coefficients.split_at_checked(low_pass.row(plan, y, z)) else { return };
             let before = RowsBefore::new(plan, low_pass, [y, z], before);
             let [mut west_west, mut west] = [None; 2];

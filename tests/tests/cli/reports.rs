@@ -136,6 +136,32 @@ fn verify_tells_what_was_checked_and_what_differs() {
     folder.run("verify a.wlift other.raw --extent 20x13x6 --type i16").fails(3, &["other.raw", "i16", "u16"]);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_person_at_a_terminal_is_told_what_was_done() {
+    let folder = compressed();
+    if !folder.shell("script -qec true /dev/null").stderr().is_empty() {
+        println!("skipped: there is no `script` to make a terminal");
+        return;
+    }
+    let commands = [
+        ("compress in.nrrd b.wlift", "20x13x6 u16, 3120 bytes -> b.wlift: "),
+        ("decompress a.wlift out.npy", "out.npy: 20x13x6 u16, 3120 bytes of samples, .npy"),
+        (
+            "transform in.nrrd c.raw --wavelet haar --levels 2",
+            "c.raw: 20x13x6 coefficients, 2 levels of haar",
+        ),
+        (
+            "transform c.raw s.raw --wavelet haar --levels 2 --inverse --extent 20x13x6",
+            "s.raw: 20x13x6 samples",
+        ),
+    ];
+    for (command, told) in commands {
+        let outcome = folder.shell(&format!("script -qec 'wavelift {command}' /dev/null")).ok();
+        assert!(outcome.stdout().contains(told), "{told}: {}", outcome.stdout());
+    }
+}
+
 #[test]
 fn tables_are_text_json_and_a_picture() {
     let folder = compressed();

@@ -4,6 +4,7 @@ use conformance::oracle::coder::{self, Choices, Decoded, Header, Storage, decode
 use conformance::oracle::lifting::{Psi, max_levels};
 use conformance::oracle::noise::Noise;
 use conformance::reference::{psi, sides};
+use conformance::vectors::Manifest;
 use wavelift_kernel::{Extent, Plan, SampleType, Wavelet};
 
 use super::{any_weights, both_decode, kernel_encode, plan};
@@ -164,6 +165,17 @@ fn kernel_and_oracle_agree_on_trained_weights() {
     }
     println!("trained: {of_planes} with several planes, {of_one_plane} with one");
     assert!(of_planes >= 10 && of_one_plane >= 10, "the kernel's encoder trains too seldom");
+}
+
+#[test]
+fn golden_vectors_are_those_of_the_oracle() {
+    for vector in Manifest::read().expect("the manifest").vectors {
+        let bytes = vector.read().expect("its file");
+        match both_decode(&bytes, 0) {
+            Ok(Decoded { samples, .. }) => assert_eq!(encode_as(&bytes, &samples), bytes, "{}", vector.id),
+            Err(_) => assert!(vector.file.starts_with("reject/"), "{}", vector.id),
+        }
+    }
 }
 
 #[test]
