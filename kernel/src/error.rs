@@ -39,8 +39,6 @@ pub enum Slice {
     Edges,
     /// Vertices of a mesh that a lift reads only: f in an s-lift, v in a w-lift.
     Centres,
-    /// Index lists of a mesh.
-    Lists,
 }
 
 /// A lent slice has the wrong length. Nothing was written.
@@ -206,7 +204,6 @@ impl fmt::Display for Slice {
             Self::Corners => "corners",
             Self::Edges => "edges",
             Self::Centres => "centres",
-            Self::Lists => "neighbour lists",
         })
     }
 }

@@ -315,7 +315,7 @@ mod tests {
         assert_eq!((v, e), before);
 
         let error = LengthError { slice: Slice::Centres, expected: 3, actual: 2 };
-        assert_eq!(lists.lift(&mut v, &mut e, &f[..2], I16F16::ONE, TWO), Err(error.into()));
+        assert_eq!(lists.lift(&mut v, &mut e, &f[..2], I16F16::ONE, TWO), Err(LiftError::Length(error)));
     }
 
     #[test]

@@ -20,12 +20,12 @@ use super::progress;
 /// Every brick is decoded and compared with its checksums; with ORIGINAL, every sample with that file's as well. The
 /// exit code is 0 only if all agree, 3 if anything differs.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("byte_order", |arg| arg.help(BYTE_ORDER)))]
 #[command(after_help = "\
 Examples:
   wavelift verify head.wlift
   wavelift verify head.wlift head.nrrd
-  wavelift verify engine.wlift engine.raw",
-    mut_arg("byte_order", |arg| arg.help("Order of the bytes of a sample in the file [default: as it was in the file compressed]")))]
+  wavelift verify engine.wlift engine.raw")]
 pub(crate) struct Args {
     /// Compressed file
     pub(crate) input: PathBuf,
@@ -41,6 +41,10 @@ pub(crate) struct Args {
     #[command(flatten)]
     pub(crate) raw: RawArgs,
 }
+
+/// Help for the one part of a layout that has a default elsewhere.
+const BYTE_ORDER: &str =
+    "Order of the bytes of a sample in the file [default: as it was in the file compressed]";
 
 /// Checks a compressed file, and compares it with the original.
 ///

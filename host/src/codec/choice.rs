@@ -13,7 +13,7 @@ pub enum Choice {
     /// Whatever makes a sample of the bricks smallest.
     #[default]
     Auto,
-    /// No transform: prediction and coding only, and no levels to read.
+    /// No transform: prediction and coding only; levels are made of decoded samples.
     None,
     /// That wavelet.
     Wavelet(Wavelet),

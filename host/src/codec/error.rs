@@ -88,13 +88,21 @@ pub enum ContainerError {
         /// What it offers, and why.
         why: String,
     },
-    /// A region outside the volume, or without samples.
-    #[error("region {region} is not inside the volume of {}x{}x{} samples, or holds no sample of that level", extent[0], extent[1], extent[2])]
+    /// A region outside the volume.
+    #[error("region {region} is not inside the volume of {}x{}x{} samples", extent[0], extent[1], extent[2])]
     NoSuchRegion {
         /// The region asked for.
         region: super::Region,
         /// Extent of the volume.
         extent: [u64; 3],
+    },
+    /// A region between the samples of a level.
+    #[error("region {region} holds no sample of level {level}, which has one in {} along each axis", 1_u64 << level)]
+    NoSampleInRegion {
+        /// The region asked for.
+        region: super::Region,
+        /// The level asked for.
+        level: u8,
     },
     /// The samples do not fit into memory.
     #[error("{bytes} bytes of samples do not fit into memory: read a --region or a --level of the volume")]
@@ -111,7 +119,9 @@ impl ContainerError {
     /// Whose fault it is.
     pub const fn kind(&self) -> Fault {
         match self {
-            Self::NoSuchLevel { .. } | Self::NoSuchRegion { .. } => Fault::Usage,
+            Self::NoSuchLevel { .. } | Self::NoSuchRegion { .. } | Self::NoSampleInRegion { .. } => {
+                Fault::Usage
+            }
             Self::Io(_) | Self::OutOfMemory { .. } => Fault::Io,
             _ => Fault::Data,
         }

@@ -163,8 +163,11 @@ impl Container {
         }
         let first = |position: u64| position.div_ceil(1 << level);
         let wanted = Wanted { level, from: region.from.map(first), to: region.to.map(first) };
-        if (0..3).any(|axis| region.to[axis] > extent[axis] || wanted.from[axis] >= wanted.to[axis]) {
+        if (0..3).any(|axis| region.to[axis] > extent[axis] || region.from[axis] >= region.to[axis]) {
             return Err(ContainerError::NoSuchRegion { region, extent });
+        }
+        if (0..3).any(|axis| wanted.from[axis] >= wanted.to[axis]) {
+            return Err(ContainerError::NoSampleInRegion { region, level });
         }
         Ok(wanted)
     }
