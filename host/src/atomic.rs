@@ -10,8 +10,8 @@ use tempfile::NamedTempFile;
 ///
 /// Until then the bytes are in a temporary file beside the target, which is removed when this value is dropped.
 /// An old file at the path stays as it is up to the moment when the new one takes its place; a symbolic link is
-/// followed, so that the link remains and the file behind it is replaced. A new file gets the mode that the
-/// process's umask gives, a replaced one keeps its own.
+/// followed, so that the link remains and the file behind it is replaced, or made if it is not there. A new file gets
+/// the mode that the process's umask gives, a replaced one keeps its own.
 ///
 /// A device, a FIFO, and anything in `/dev` or `/proc` (such as `/dev/stdout`) cannot be replaced: bytes go straight
 /// into it as they come. Writes are buffered either way.
@@ -45,16 +45,17 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// When the folder is missing or not writable, `path` is a folder, or a device cannot be opened.
+    /// When the folder is missing or not writable, `path` is a folder, links lead in a circle, or a device cannot be
+    /// opened.
     pub fn create(path: &Path) -> io::Result<Self> {
-        if is_direct(path) {
+        let path = behind_links(path)?;
+        if is_direct(&path) {
             let file = OpenOptions::new().write(true).open(path)?;
             return Ok(Self { target: Target::Direct(BufWriter::new(file)) });
         }
         if path.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
         }
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = folder_of(&path);
         fs::metadata(folder).map_err(|cause| match cause.kind() {
             io::ErrorKind::NotFound => {
@@ -74,7 +75,8 @@ impl AtomicFile {
         Ok(Self { target: Target::Replaced { file: BufWriter::new(file), path } })
     }
 
-    /// Writes what is buffered, makes the storage keep it, and puts the file in its place.
+    /// Writes what is buffered, makes the storage keep it, and puts the file in its place; where the system can do so
+    /// for folders, the storage keeps its name there as well.
     ///
     /// # Errors
     ///
@@ -85,7 +87,11 @@ impl AtomicFile {
             Target::Replaced { file, path } => {
                 let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
                 file.as_file().sync_all()?;
-                file.persist(path)?;
+                file.persist(&path)?;
+                if let Ok(folder) = File::open(folder_of(&path)) {
+                    // The file is in its place already, and not every system can do this.
+                    let _ = folder.sync_all();
+                }
                 Ok(())
             }
         }
@@ -106,6 +112,22 @@ impl Write for AtomicFile {
             Target::Direct(file) => file.flush(),
         }
     }
+}
+
+/// Links that are followed one after another; Linux follows as many.
+const MAX_LINKS: usize = 40;
+
+/// What `path` leads to through symbolic links, whether that is there or not, or the link that is direct already.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..=MAX_LINKS {
+        match fs::read_link(&path) {
+            Ok(next) if !is_direct(&path) => path = folder_of(&path).join(next),
+            _ => return Ok(path),
+        }
+    }
+    // The system's own error for so many links.
+    fs::canonicalize(path)
 }
 
 /// Whether bytes must go straight into `path`: it is no regular file, or its folder belongs to the system.
@@ -199,6 +221,31 @@ mod tests {
         assert_eq!(mode(&path), 0o640);
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_to_files_that_are_not_there_yet() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let [links, link, file] = ["links", "links/a", "file"].map(|name| folder.path().join(name));
+        fs::create_dir(&links).unwrap();
+        symlink("b", &link).unwrap();
+        symlink("../file", links.join("b")).unwrap();
+        for bytes in [b"1", b"2"] {
+            write(&link, bytes).unwrap();
+            assert_eq!(fs::read(&file).unwrap(), bytes);
+        }
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(names(&links), ["a", "b"]);
+        assert_eq!(names(folder.path()), ["file", "links"]);
+
+        symlink("none/file", links.join("lost")).unwrap();
+        let missing = write(&links.join("lost"), b"3").unwrap_err();
+        assert!(missing.to_string().ends_with("links/none does not exist"), "{missing}");
+        symlink("circle", links.join("circle")).unwrap();
+        write(&links.join("circle"), b"4").unwrap_err();
+        assert_eq!(names(&links), ["a", "b", "circle", "lost"]);
+    }
+
     #[cfg(target_os = "linux")]
     #[test]
     fn devices_are_written_straight() {
@@ -210,5 +257,10 @@ mod tests {
         assert!(is_direct(Path::new("/dev/stdout")));
         assert!(is_direct(Path::new("/dev/fd/1")));
         assert!(!is_direct(Path::new("/dev/shm/volume.raw")));
+
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink("/dev/fd/1", &link).unwrap();
+        assert!(is_direct(&behind_links(&link).unwrap()));
     }
 }

@@ -1,5 +1,7 @@
 //! Samples per axis.
 
+use core::fmt;
+
 use crate::PlanError;
 
 /// The number of samples along x, y and z of a line, a slice or a brick; x varies fastest in memory.
@@ -95,6 +97,14 @@ impl Extent {
     pub(crate) const fn sides(self) -> [usize; 3] {
         let [x, y, z] = self.axes;
         [to_usize(x), to_usize(y), to_usize(z)]
+    }
+}
+
+impl fmt::Display for Extent {
+    /// `64x64x93`: x, y, z.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.axes;
+        write!(f, "{x}x{y}x{z}")
     }
 }
 

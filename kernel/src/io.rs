@@ -52,7 +52,7 @@ pub fn write<W: Write>(codestream: &[u8], writer: &mut W) -> Result<(), WriteErr
 /// Reads exactly one codestream into the beginning of `buffer` and returns it; the next byte of the reader is the one
 /// after.
 ///
-/// The header (at most 181 bytes) is read byte by byte and checked as it comes, the rest in as many pieces as the reader
+/// The header (at most [`Header::MAX_BYTES`]) is read byte by byte and checked as it comes, the rest in as many pieces as the reader
 /// likes; it is checked when it is decoded.
 ///
 /// # Errors

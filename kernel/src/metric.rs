@@ -1,7 +1,7 @@
 //! What the tables of the dissertation list for coefficients, and how far two sets of samples are apart.
 //!
 //! Figures for people, never a part of a codestream: the only place of the kernel with floating-point numbers. Code
-//! lengths are exact integer sums all the same, because a wavelet is chosen by comparing them.
+//! lengths are exact integer sums all the same, so that they are the same on every machine.
 //!
 //! Source: M. Bertram, *Multiresolution Modeling for Scientific Visualization*, dissertation, UC Davis 2000, §3.5.
 

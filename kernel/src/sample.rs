@@ -1,5 +1,6 @@
 //! The integer types of samples.
 
+use core::fmt;
 use core::ops::RangeInclusive;
 
 /// The type a sample has in the caller's data; the kernel itself works on `i32`.
@@ -26,6 +27,19 @@ pub enum SampleType {
 impl SampleType {
     /// Every type, in the order of their codes in the codestream.
     pub const ALL: [Self; 6] = [Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32];
+
+    /// The name used on the command line: `u8`, `i8`, `u16`, `i16`, `u32`, `i32`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "u8",
+            Self::I8 => "i8",
+            Self::U16 => "u16",
+            Self::I16 => "i16",
+            Self::U32 => "u32",
+            Self::I32 => "i32",
+        }
+    }
 
     /// Bytes of one sample.
     #[must_use]
@@ -70,5 +84,11 @@ impl SampleType {
     /// The type of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|sample_type| sample_type.code() == code)
+    }
+}
+
+impl fmt::Display for SampleType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }

@@ -10,7 +10,7 @@ use wavelift_host::volume::{self, ByteOrder, FileFormat, WriteOptions};
 use super::choice::parse_threads;
 use super::exit::Failure;
 use super::input::{byte_order_names, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
+use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say, tell};
 use super::progress;
 
 /// Get a volume back: all of it, a region, or a coarse level
@@ -80,7 +80,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     if !losses.is_empty() {
         let (output, format, losses) = (args.output.display(), format.name(), losses.join(", "));
-        eprintln!("wavelift: {output}: {format} has no place for {losses}");
+        say(format_args!("wavelift: {output}: {format} has no place for {losses}"));
     }
     let [x, y, z] = volume.extent;
     tell(format_args!(

@@ -8,6 +8,8 @@ use std::process::ExitCode;
 use wavelift_host::codec::ContainerError;
 use wavelift_host::volume::{Fault, ReadError, WriteError, in_words};
 
+use super::output::say;
+
 /// Why a command gave up.
 #[derive(Debug)]
 pub(crate) struct Failure {
@@ -49,7 +51,7 @@ impl Failure {
 
     /// Tells the user on standard error and returns the exit code.
     pub(crate) fn report(&self) -> ExitCode {
-        eprintln!("wavelift: {}", self.message);
+        say(format_args!("wavelift: {}", self.message));
         ExitCode::from(self.code())
     }
 

@@ -29,8 +29,13 @@ pub(crate) fn print_json(document: &serde_json::Value) -> Result<(), Failure> {
 /// Tells a person at a terminal what was done; says nothing in a pipe.
 pub(crate) fn tell(what: fmt::Arguments<'_>) {
     if io::stderr().is_terminal() {
-        eprintln!("{what}");
+        say(what);
     }
+}
+
+/// Writes a line to standard error. Where that fails nobody can be told, so the exit code has to say it.
+pub(crate) fn say(what: fmt::Arguments<'_>) {
+    let _ = writeln!(io::stderr(), "{what}");
 }
 
 /// Writes a file of text that appears whole or not at all.

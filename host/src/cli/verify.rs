@@ -12,7 +12,7 @@ use wavelift_host::volume::{self, Fault, RankedExtent, RawLayout, ReadError, Vol
 use super::choice::parse_threads;
 use super::exit::Failure;
 use super::input::{RawArgs, read_volume};
-use super::output::{print, print_json};
+use super::output::{print, print_json, say};
 use super::progress;
 
 /// Check a compressed file, and compare it with the original
@@ -101,7 +101,7 @@ impl Findings {
             }
             (Some(bricks), damaged) => {
                 for brick in damaged {
-                    eprintln!("wavelift: {}: {brick}", args.input.display());
+                    say(format_args!("wavelift: {}: {brick}", args.input.display()));
                 }
                 let message = format_args!("{} of {bricks} bricks are damaged", damaged.len());
                 Err(Failure::at(&args.input, Fault::Data, message))

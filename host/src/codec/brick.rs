@@ -1,6 +1,6 @@
 //! One brick, from the samples of a volume to codestreams and back.
 
-use wavelift_kernel::{Codec, DecodeError, Extent, Header, SampleType, max_encoded_len};
+use wavelift_kernel::{Codec, DecodeError, Extent, Header, Plan, SampleType, max_encoded_len};
 
 use super::choice::Transform;
 use super::grid::per_axis;
@@ -94,13 +94,13 @@ impl Worker {
     }
 
     /// Decodes the codestreams of a brick down to `level`, or to its coarsest if it has fewer levels because it is
-    /// small. `sides` and `types` are what the brick must be; anything else is an error, before memory is taken.
+    /// small. `plan` and `types` are what the brick must be; anything else is an error, before memory is taken.
     pub(super) fn decode(
         &mut self,
         codestreams: &[u8],
         lengths: &[u32],
         types: &[SampleType],
-        sides: [u32; 3],
+        plan: &Plan,
         level: u8,
     ) -> Result<Decoded, String> {
         if lengths.len() != types.len() {
@@ -114,8 +114,8 @@ impl Worker {
                 rest.split_at_checked(len as usize).ok_or("it is shorter than its codestreams")?;
             rest = after;
             let header = Header::parse(codestream).map_err(text)?;
-            if header.sample_type() != sample_type || header.plan().extent().axes() != sides {
-                return Err("its codestream is of another extent or type".into());
+            if header.sample_type() != sample_type || header.plan() != *plan {
+                return Err("its codestream is of another extent, type or transform".into());
             }
             planes.push(self.decode_plane(codestream, &header, level.min(header.plan().levels()))?);
             first.get_or_insert(header);

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::brick::{Coding, Encoded, Worker};
 use super::choice::{Candidates, Transform};
-use super::container::{Index, Writer};
+use super::container::{Index, Writer, has_levels};
 use super::{Choice, CompressError, Grid, Progress, Values, pool};
 use crate::volume::{ElementType, Volume, sample_bytes};
 
@@ -141,9 +141,8 @@ fn choose(volume: &Volume, grid: &Grid, candidates: &Candidates) -> Coding {
 /// decodes.
 fn readable_levels(volume: &Volume, grid: &Grid, transform: Transform) -> u8 {
     let in_scale = match volume.element {
-        ElementType::F32 | ElementType::F64 | ElementType::U64 | ElementType::I64 => false,
         ElementType::U32 => volume.samples.as_chunks::<4>().0.iter().all(|bytes| bytes[3] < 0x80),
-        _ => true,
+        element => has_levels(element),
     };
     let levels = if transform.wavelet.is_some() { transform.levels } else { grid.max_levels() };
     if in_scale { levels.min(grid.aligned_levels()) } else { 0 }

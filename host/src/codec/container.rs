@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use wavelift_kernel::Wavelet;
 
 use super::brick::Encoded;
+use super::choice::Transform;
 use super::{ContainerError, Grid, Values, planes};
 use crate::volume::{ElementType, Metadata};
 
@@ -111,7 +112,7 @@ fn header() -> [u8; HEADER_BYTES] {
     header
 }
 
-fn footer(position: u64, index: &[u8]) -> [u8; FOOTER_BYTES] {
+pub(super) fn footer(position: u64, index: &[u8]) -> [u8; FOOTER_BYTES] {
     let mut footer = [0; FOOTER_BYTES];
     footer[..8].copy_from_slice(&position.to_le_bytes());
     footer[8..16].copy_from_slice(&(index.len() as u64).to_le_bytes());
@@ -165,6 +166,11 @@ impl Container {
         File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
     }
 
+    /// The transform of the bricks.
+    pub(super) const fn transform(&self) -> Transform {
+        Transform { wavelet: self.index.wavelet, levels: self.index.levels }
+    }
+
     /// The values that samples are packed to the numbers of.
     pub(super) fn values(&self) -> Option<&[i32]> {
         self.values.as_deref()
@@ -179,6 +185,11 @@ impl Container {
         file.read_exact(&mut codestreams)?;
         Ok(codestreams)
     }
+}
+
+/// Whether the low-pass part of samples of this type is in their scale.
+pub(super) const fn has_levels(element: ElementType) -> bool {
+    !matches!(element, ElementType::F32 | ElementType::F64 | ElementType::U64 | ElementType::I64)
 }
 
 const BAD_VALUES: ContainerError = ContainerError::Damaged("the values in the index are not ascending");
@@ -244,8 +255,11 @@ fn check_index(index: &Index, end: u64) -> Result<Vec<u64>, ContainerError> {
     if !index.grid.is_sound() || index.grid.bricks() != index.bricks.len() as u64 {
         return Err(ContainerError::Damaged("the index has another number of bricks than its extent"));
     }
-    let deepest = if index.wavelet.is_some() { index.levels } else { index.grid.max_levels() };
-    if index.readable_levels > deepest.min(index.grid.aligned_levels())
+    let deepest = index.grid.max_levels();
+    let transformed = if index.wavelet.is_some() { index.levels } else { deepest };
+    if index.levels > deepest
+        || index.readable_levels > transformed.min(index.grid.aligned_levels())
+        || index.readable_levels > 0 && !has_levels(index.element)
         || (index.levels > 0) != index.wavelet.is_some()
         || index.values.is_some()
             && (index.wavelet.is_some() || planes::sample_types(index.element).len() != 1)

@@ -6,7 +6,7 @@ use wavelift_kernel::Extent;
 /// Samples of the bricks that volumes are cut into unless asked otherwise: 64 a side, or as many in a slice or line.
 const DEFAULT_BRICK_SAMPLES: u32 = 1 << 18;
 
-/// Samples that a brick may have at most: 2^27, half a GiB while it is coded.
+/// Samples that a brick may have at most: 2^27, half a GiB of `i32`; coding it takes up to three times as much.
 pub(super) const MAX_BRICK_SAMPLES: u64 = 1 << 27;
 
 /// A volume's extent and the sides of its bricks, x first.
@@ -77,11 +77,6 @@ impl Grid {
     /// Bricks in all.
     pub fn bricks(&self) -> u64 {
         self.counts().into_iter().product()
-    }
-
-    /// Samples in all; `None` if 64 bits do not count them.
-    pub fn samples(&self) -> Option<u64> {
-        self.extent.into_iter().try_fold(1, u64::checked_mul)
     }
 
     /// Brick number `index`, below [`Grid::bricks`].

@@ -11,7 +11,8 @@ pub(super) fn rescale(plan: &Plan, level: u8, sample_type: SampleType, samples: 
     let (numerator, denominator) = plan.wavelet().low_pass_gain();
     let splits = |level| plan.extent().coarsened(level).axes().into_iter().filter(|&n| n > 1).count() as u32;
     let times: u32 = (0..level.min(plan.levels())).map(splits).sum();
-    let (up, down) = (i128::from(denominator).pow(times.min(80)), i128::from(numerator).pow(times.min(80)));
+    // A brick of 2^27 samples is split 29 times at most, so that 4^times and 3^times times a sample fit.
+    let (up, down) = (i128::from(denominator).pow(times), i128::from(numerator).pow(times));
     let range = match sample_type {
         SampleType::U32 => 0..=i32::MAX,
         other => other.range(),

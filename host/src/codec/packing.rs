@@ -79,7 +79,10 @@ pub(super) fn unpack(values: &[i32], samples: &mut [i32]) -> Option<()> {
 fn by_marking(volume: &Volume) -> Vec<i32> {
     const OFFSET: i32 = 1 << 15;
     let mut seen = vec![false; 3 << 15];
-    each_sample(volume, |sample| seen[(sample + OFFSET) as usize] = true);
+    each_sample(volume, |sample| {
+        seen[(sample + OFFSET) as usize] = true;
+        true
+    });
     let values = (-OFFSET..).zip(seen).filter(|&(_, seen)| seen);
     values.map(|(value, _)| value).collect()
 }
@@ -88,20 +91,21 @@ fn by_marking(volume: &Volume) -> Vec<i32> {
 fn by_collecting(volume: &Volume) -> Option<Vec<i32>> {
     let mut seen = BTreeSet::new();
     each_sample(volume, |sample| {
-        if seen.len() <= MOST {
-            seen.insert(sample);
-        }
+        seen.insert(sample);
+        seen.len() <= MOST
     });
     (seen.len() <= MOST).then(|| seen.into_iter().collect())
 }
 
-/// Calls `look` with every sample, as the first plane holds it.
-fn each_sample(volume: &Volume, mut look: impl FnMut(i32)) {
+/// Calls `look` with every sample, as the first plane holds it, until it wants no more.
+fn each_sample(volume: &Volume, mut look: impl FnMut(i32) -> bool) {
     const BATCH: usize = 1 << 12;
     let mut samples = vec![0; BATCH];
     for bytes in volume.samples.chunks(BATCH * volume.element.bytes()) {
         planes::split(volume.element, 0, bytes, &mut samples);
-        samples[..bytes.len() / volume.element.bytes()].iter().for_each(|&sample| look(sample));
+        if !samples[..bytes.len() / volume.element.bytes()].iter().all(|&sample| look(sample)) {
+            return;
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
+use wavelift_kernel::Extent;
 
 use super::brick::{Decoded, Worker, coarsened, scatter};
 use super::container::Container;
@@ -219,8 +220,10 @@ impl Container {
         }
         let types = packing::sample_types(element, self.values());
         let transformed = if self.index().wavelet.is_some() { level } else { 0 };
-        let mut decoded = worker
-            .decode(&codestreams, &entry.lengths, &types, brick.sides, transformed)
+        let plan = Extent::new(brick.sides).map(|extent| self.transform().plan(extent));
+        let mut decoded = plan
+            .map_err(|error| error.to_string())
+            .and_then(|plan| worker.decode(&codestreams, &entry.lengths, &types, &plan, transformed))
             .map_err(|cause| damage(index, brick, cause))?;
         for plane in &mut decoded.planes {
             if self.values().is_some_and(|values| packing::unpack(values, plane).is_none()) {

@@ -174,6 +174,45 @@ fn impossible_options_are_the_users_fault() {
     assert!(refuse(CompressOptions { brick: Some([0, 8, 8]), ..Default::default() }).contains("--brick"));
 }
 
+/// A container whose index has been replaced, with checksums that are right.
+fn with_index(bytes: &[u8], change: impl Fn(&mut Index)) -> Vec<u8> {
+    let footer = bytes.len() - 32;
+    let position = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap());
+    let mut index: Index = postcard::from_bytes(&bytes[position as usize..footer]).unwrap();
+    change(&mut index);
+    let index = postcard::to_allocvec(&index).unwrap();
+    let mut changed = bytes[..position as usize].to_vec();
+    changed.extend_from_slice(&index);
+    changed.extend_from_slice(&container::footer(position, &index));
+    changed
+}
+
+#[test]
+fn an_index_that_lies_is_refused() {
+    let volume = generate(Kind::Waves, [12, 9, 5], ElementType::U16, 3);
+    let options = CompressOptions { brick: Some([64; 3]), ..small_bricks("none", None) };
+    let (stored, report) = store(&volume, &options);
+    assert_eq!(report.bricks, 1);
+    let lies: [&dyn Fn(&mut Index); 8] = [
+        &|index| (index.levels, index.readable_levels) = (255, 255),
+        &|index| (index.wavelet, index.levels) = (Some(wavelift_kernel::Wavelet::Linear), 3),
+        &|index| index.readable_levels = 5,
+        &|index| index.element = ElementType::I16,
+        &|index| (index.element, index.readable_levels) = (ElementType::F32, 1),
+        &|index| index.grid.extent = [u64::MAX; 3],
+        &|index| index.grid.sides = [u32::MAX; 3],
+        &|index| index.bricks[0].lengths = vec![u32::MAX, 1],
+    ];
+    for (number, lie) in lies.into_iter().enumerate() {
+        std::fs::write(&stored.path, with_index(&stored.bytes, lie)).unwrap();
+        for level in [0, 1, 4, 64, 255] {
+            let error = read(&stored.path, &Part { level, region: None }).unwrap_err();
+            assert!(matches!(error.kind(), Fault::Data | Fault::Usage), "{number} at {level}: {error}");
+            assert!(level > 4 || error.kind() == Fault::Data, "{number} at {level}: {error}");
+        }
+    }
+}
+
 #[test]
 fn every_damaged_byte_and_every_truncation_is_noticed() {
     let volume = generate(Kind::Blobs, [12, 9, 5], ElementType::U16, 3);

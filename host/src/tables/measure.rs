@@ -155,16 +155,9 @@ impl Cut<'_> {
 
     /// The samples of a brick, row by row out of the volume.
     fn samples(&self, brick: &Brick) -> Vec<i32> {
-        let Volume { extent: [nx, ny, _], element, .. } = *self.volume;
-        let [x, y, z] = brick.origin;
-        let [width, height, depth] = brick.sides.map(u64::from);
-        let mut samples = Vec::with_capacity((width * height * depth) as usize);
-        for z in z..z + depth {
-            for y in y..y + height {
-                let start = (x + nx * (y + ny * z)) as usize * element.bytes();
-                let row = &self.volume.samples[start..][..width as usize * element.bytes()];
-                widen(element, row, &mut samples);
-            }
+        let mut samples = Vec::with_capacity(brick.samples() as usize);
+        for row in self.volume.rows(brick.origin, brick.sides) {
+            widen(self.volume.element, row, &mut samples);
         }
         samples
     }

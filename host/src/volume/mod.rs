@@ -46,6 +46,17 @@ impl Volume {
         let needed = self.extent.iter().rposition(|&axis| axis > 1).map_or(1, |axis| axis + 1);
         needed.max(self.metadata.rank.into()).min(3)
     }
+
+    /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,
+    /// little-endian, y before z.
+    pub(crate) fn rows(&self, origin: [u64; 3], sides: [u32; 3]) -> impl Iterator<Item = &[u8]> {
+        let [width, height, _] = self.extent.map(|axis| axis as usize);
+        let ([x, y, z], [w, h, d]) = (origin.map(|axis| axis as usize), sides.map(|side| side as usize));
+        let sample = self.element.bytes();
+        (z..z + d).flat_map(move |z| {
+            (y..y + h).map(move |y| &self.samples[((z * height + y) * width + x) * sample..][..w * sample])
+        })
+    }
 }
 
 /// Bytes of the samples of a volume, `None` if 64 bits do not count them.

@@ -32,6 +32,15 @@ fn raw_files_come_back_byte_for_byte() {
 }
 
 #[test]
+fn the_rows_of_a_box_are_those_of_its_samples() {
+    let volume = generate(Kind::Noise, [5, 4, 3], ElementType::U16, 1);
+    let rows: Vec<_> = volume.rows([1, 2, 1], [3, 2, 2]).collect();
+    let firsts = [31, 36, 51, 56].map(|first| 2 * first);
+    assert_eq!(rows, firsts.map(|first| &volume.samples[first..first + 6]));
+    assert_eq!(volume.rows([0; 3], [5, 4, 3]).flatten().copied().collect::<Vec<_>>(), volume.samples);
+}
+
+#[test]
 fn a_layout_that_does_not_fit_says_what_to_check() {
     let (_folder, path) = file("a.raw", &[0; 24]);
     let message = |extent: &str, element| {

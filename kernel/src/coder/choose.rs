@@ -5,7 +5,8 @@ use super::rows::RowsBefore;
 use super::train::Equations;
 use crate::transform::{Plan, Subband};
 
-/// Samples that the predictors are compared on, about; of larger low-pass parts only every so many rows.
+/// Samples that the predictors are compared on, about: of larger low-pass parts only every so many rows, of longer
+/// rows the first.
 const COMPARED: usize = 1 << 14;
 
 /// Low-pass parts smaller than this are not worth weights of their own.
@@ -38,7 +39,7 @@ impl Predictor {
             let (before, row) = coefficients.split_at_checked(low_pass.row(plan, y, z))?;
             let before = RowsBefore::new(plan, low_pass, [y, z], before);
             let [mut west_west, mut west] = [None; 2];
-            for (x, &value) in row.iter().take(low_pass.sides[0]).enumerate() {
+            for (x, &value) in row.iter().take(low_pass.sides[0].min(COMPARED)).enumerate() {
                 let residual = value.wrapping_sub(self.predict(&before, x, [west_west, west]));
                 bits = bits.wrapping_add(gamma_bits(residual));
                 [west_west, west] = [west, Some(value)];

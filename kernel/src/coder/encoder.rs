@@ -13,8 +13,8 @@ pub(super) const RAW_BITS: u32 = 8;
 ///
 /// The number lies in `low .. low + range`, in units of the last byte shifted out; everything above is in `out`, or
 /// held back: a run of zeros, which are not written if nothing follows, then a run of 0xFF, which a carry would turn
-/// into zeros. So the last byte in `out` is neither, a carry changes that byte alone, and no byte is written that is
-/// taken back.
+/// into zeros. A carry ends at the last zero held back, or else at the last byte in `out`, which is then not 0xFF: it
+/// changes one byte, and no byte is written that is taken back.
 #[derive(Debug)]
 pub(crate) struct Encoder<'a> {
     out: &'a mut [u8],

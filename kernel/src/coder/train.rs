@@ -4,7 +4,7 @@ use super::rows::RowsBefore;
 use super::weights::{Differences, FRACTION_BITS, LARGEST_WEIGHT, WEIGHTS, Weights};
 use crate::transform::{Plan, Subband};
 
-/// Samples that are trained on, about; of larger low-pass parts only every so many rows.
+/// Samples that are trained on, about: of larger low-pass parts only every so many rows, of longer rows the first.
 const SAMPLES: usize = 1 << 14;
 
 /// Bits that samples are brought down to, all by the same shift, so that no sum of products overflows.
@@ -21,6 +21,7 @@ const RIDGE_BITS: u32 = 13;
 
 /// Differences per sample.
 const TAPS: i64 = 19;
+const _: () = assert!(WEIGHTS == 19);
 
 /// Fraction bits of the factors and of the solution.
 const FACTOR_BITS: u32 = 18;
@@ -67,7 +68,7 @@ impl Equations {
             let Some((before, row)) = coefficients.split_at_checked(low_pass.row(plan, y, z)) else { return };
             let before = RowsBefore::new(plan, low_pass, [y, z], before);
             let [mut west_west, mut west] = [None; 2];
-            for (x, &value) in row.iter().take(width).enumerate() {
+            for (x, &value) in row.iter().take(width.min(SAMPLES)).enumerate() {
                 let differences = Differences::new(&before, x, west_west, west);
                 self.add(&differences, value, shift);
                 [west_west, west] = [west, Some(value)];
@@ -115,14 +116,15 @@ impl Equations {
         for (weight, x) in weights.iter_mut().zip(solution) {
             let rounded =
                 x.wrapping_add(1 << (FACTOR_BITS - FRACTION_BITS - 1)) >> (FACTOR_BITS - FRACTION_BITS);
-            *weight = i16::try_from(rounded).unwrap_or(0).clamp(-LARGEST_WEIGHT, LARGEST_WEIGHT);
+            let largest = i64::from(LARGEST_WEIGHT);
+            *weight = i16::try_from(rounded.clamp(largest.wrapping_neg(), largest)).unwrap_or(0);
         }
     }
 
     /// Adds a little to the diagonal, so that the equations have one solution, and brings all entries down to
     /// [`ENTRY_BITS`].
     fn condition(&mut self) {
-        let mut largest = 0;
+        let mut largest = self.right.iter().fold(0, |largest: i64, right| right.wrapping_abs().max(largest));
         for (i, row) in self.matrix.iter_mut().enumerate() {
             for entry in row.iter_mut().skip(i).take(1) {
                 *entry = entry.wrapping_add(*entry >> RIDGE_BITS).wrapping_add(1 << SAMPLE_WEIGHT_BITS);

@@ -8,12 +8,12 @@ use crate::memory::{copy, move_within};
 use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
 
 /// Bytes that always suffice for a codestream of `extent` samples of `sample_type`, whatever their values, wavelet
-/// and levels: the samples as they are and a header. `None` if that exceeds the address space.
+/// and levels: the samples as they are and a header. `None` if they are 4 GiB or more, which no segment holds.
 #[must_use]
 pub const fn max_encoded_len(extent: Extent, sample_type: SampleType) -> Option<usize> {
     match extent.samples().checked_mul(sample_type.bytes()) {
-        Some(samples) => samples.checked_add(MAX_STORED_HEADER_BYTES),
-        None => None,
+        Some(samples) if samples <= to_usize(u32::MAX) => samples.checked_add(MAX_STORED_HEADER_BYTES),
+        _ => None,
     }
 }
 
@@ -39,13 +39,13 @@ impl Codec {
 
     /// Encodes `samples` (x fastest) into the beginning of `out` and returns the length of the codestream.
     ///
-    /// `samples` is used up: it holds coefficients afterwards. An `out` of [`max_encoded_len`] bytes always
+    /// `samples` is used up: what it holds afterwards has no meaning. An `out` of [`max_encoded_len`] bytes always
     /// suffices; a shorter one does if the codestream happens to fit.
     ///
     /// # Errors
     /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Plan::scratch_len`]; [`EncodeError::SampleOutOfRange`] if a sample is outside `sample_type`;
-    /// [`EncodeError::OutputFull`] if `out` is too short.
+    /// [`EncodeError::OutputFull`] if `out` is too short; `samples` are what they were then.
     pub fn encode(
         &mut self,
         plan: &Plan,

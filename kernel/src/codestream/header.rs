@@ -45,6 +45,9 @@ pub struct Header {
 }
 
 impl Header {
+    /// Bytes of the longest header there is.
+    pub const MAX_BYTES: usize = MAX_HEADER_BYTES;
+
     /// Reads and checks the header at the beginning of `bytes`; what follows it is not looked at.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! What a lifting step reads beyond the ends of a line.
 //!
-//! Steps of psi_1, psi_3, psi_5 and the first two of psi_H, psi_Q, psi_D replace a missing neighbour by the nearest
+//! Steps of psi_1, psi_3, psi_5 and all but the last of psi_H, psi_Q, psi_D replace a missing neighbour by the nearest
 //! one of its kind (which for the first three is whole-sample reflection); the last step of psi_H, psi_Q, psi_D
 //! takes a missing wavelet coefficient as zero.
 

@@ -18,6 +18,8 @@ mod quadratic;
 mod quintic;
 mod step;
 
+use core::fmt;
+
 pub(crate) use step::{Halves, Step};
 
 /// One of the six wavelets.
@@ -123,6 +125,12 @@ impl Wavelet {
     /// The wavelet of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
         Self::ALL.into_iter().find(|wavelet| wavelet.code() == code)
+    }
+}
+
+impl fmt::Display for Wavelet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 

@@ -24,10 +24,12 @@ impl Plan {
         if levels > max {
             return Err(PlanError::TooManyLevels { max });
         }
+        // Without levels all wavelets are the same, and so are their plans.
+        let wavelet = if levels == 0 { Wavelet::Haar } else { wavelet };
         Ok(Self { wavelet, extent, levels })
     }
 
-    /// The wavelet; of no meaning with 0 levels.
+    /// The wavelet; with 0 levels always psi_H, whatever was asked for.
     #[must_use]
     pub const fn wavelet(&self) -> Wavelet {
         self.wavelet

@@ -80,3 +80,26 @@ fn a_reader_may_go_away() {
         assert!(output.status.success() && output.stderr.is_empty() && !first.is_empty(), "{output:?}");
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn exit_codes_stay_where_standard_error_takes_nothing() {
+    let folder = Folder::new();
+    let lines = ["NRRD0004", "type: uint8", "dimension: 1", "sizes: 4096", "encoding: raw", "k:=v"];
+    folder.write("in.nrrd", nrrd(&lines, &crate::files::noise(4096, 3)));
+    folder.run("compress in.nrrd a.wlift").silent();
+    let mut damaged = folder.read("a.wlift");
+    let middle = damaged.len() / 2;
+    damaged[middle] ^= 1;
+    folder.write("damaged.wlift", damaged);
+    for (command, code) in [
+        ("decompress a.wlift out.raw", 0),
+        ("info a.wlift --level", 2),
+        ("verify damaged.wlift", 3),
+        ("info none.wlift", 4),
+    ] {
+        assert!(!folder.run(command).stderr().is_empty(), "{command} says nothing");
+        let outcome = folder.shell(&format!("wavelift {command} 2>/dev/full; echo $?"));
+        assert_eq!(outcome.stdout(), format!("{code}\n"), "{command}");
+    }
+}
