@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde_json::json;
 use wavelift_host::codec::{Container, Part, Region};
 use wavelift_host::volume::{self, ByteOrder, FileFormat, WriteOptions};
+use wavelift_kernel::Wavelet;
 
 use super::choice::parse_threads;
 use super::exit::Failure;
@@ -90,5 +91,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         volume.samples.len(),
         format.name(),
     ));
+    if let Some(wavelet) =
+        container.index().wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet))
+    {
+        tell(format_args!("coarse levels under {wavelet} come in steps; under haar and linear they do not"));
+    }
     Ok(())
+}
+
+/// Whether the low-pass part is smaller than the samples, so that scaling it back leaves gaps.
+fn loses_digits(wavelet: Wavelet) -> bool {
+    wavelet.low_pass_gain() != (1, 1)
 }

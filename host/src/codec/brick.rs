@@ -5,7 +5,7 @@ use wavelift_kernel::{Codec, DecodeError, Extent, Header, Plan, SampleType, max_
 use super::choice::Transform;
 use super::grid::per_axis;
 use super::{Brick, packing, planes};
-use crate::volume::{ElementType, Volume};
+use crate::volume::Volume;
 
 /// How the bricks of a volume are coded.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ pub(super) struct Decoded {
     pub(super) header: Header,
 }
 
-/// The memory that a thread keeps from brick to brick.
+/// The memory that is kept from brick to brick.
 #[derive(Debug)]
 pub(super) struct Worker {
     codec: Box<Codec>,
@@ -54,7 +54,10 @@ impl Worker {
     pub(super) fn encode(&mut self, volume: &Volume, brick: Brick, coding: &Coding) -> Encoded {
         let element = volume.element;
         let values = coding.values.as_deref();
-        self.gather(&volume.samples, volume.extent, element, brick);
+        self.bytes.clear();
+        for row in volume.rows(brick.origin, brick.sides) {
+            self.bytes.extend_from_slice(row);
+        }
         let sides = Extent::new(brick.sides).expect("a grid has bricks of at most 2^27 samples");
         let plan = coding.transform.plan(sides);
         self.scratch.resize(plan.scratch_len().max(self.scratch.len()), 0);
@@ -79,18 +82,6 @@ impl Worker {
             encoded.lengths.push(u32::try_from(len).expect("at most max_encoded_len"));
         }
         encoded
-    }
-
-    /// Copies the samples of `brick` out of the volume, row by row.
-    fn gather(&mut self, volume: &[u8], extent: [u64; 3], element: ElementType, brick: Brick) {
-        let [width, height, _] = extent.map(|axis| axis as usize);
-        let ([x, y, z], [w, h, d]) =
-            (brick.origin.map(|axis| axis as usize), brick.sides.map(|side| side as usize));
-        self.bytes.clear();
-        for (z, y) in (z..z + d).flat_map(|z| (y..y + h).map(move |y| (z, y))) {
-            let start = ((z * height + y) * width + x) * element.bytes();
-            self.bytes.extend_from_slice(&volume[start..start + w * element.bytes()]);
-        }
     }
 
     /// Decodes the codestreams of a brick down to `level`, or to its coarsest if it has fewer levels because it is
