@@ -69,9 +69,9 @@ impl Candidates {
 
 /// A wavelet and levels for every brick; a brick too small for so many takes as many as it can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Transform {
-    pub(super) wavelet: Option<Wavelet>,
-    pub(super) levels: u8,
+pub(crate) struct Transform {
+    pub(crate) wavelet: Option<Wavelet>,
+    pub(crate) levels: u8,
 }
 
 impl Transform {
@@ -79,7 +79,7 @@ impl Transform {
     pub(super) const NONE: Self = Self { wavelet: None, levels: 0 };
 
     /// The plan of a brick of `extent`.
-    pub(super) fn plan(self, extent: Extent) -> Plan {
+    pub(crate) fn plan(self, extent: Extent) -> Plan {
         let levels = if self.wavelet.is_some() { self.levels.min(extent.max_levels()) } else { 0 };
         let wavelet = self.wavelet.unwrap_or(Wavelet::Haar);
         Plan::new(wavelet, extent, levels).expect("the levels are those that the extent allows")

@@ -28,13 +28,7 @@ pub(super) fn coarsen(extent: Extent, level: u8, sample_type: SampleType, sample
     let levels = level.min(extent.max_levels());
     let plan = Plan::new(Wavelet::Linear, extent, levels).expect("no more levels than the extent allows");
     let mut scratch = vec![0; plan.scratch_len()];
-    plan.forward(samples, &mut scratch).expect("the lengths are those that the plan asks for");
-    let [width, height, _] = extent.axes().map(|axis| axis as usize);
-    let [x, y, z] = extent.coarsened(levels).axes().map(|axis| axis as usize);
-    let rows = (0..z).flat_map(|z| (0..y).map(move |y| (z * height + y) * width));
-    for (to, from) in (0..).step_by(x).zip(rows) {
-        samples.copy_within(from..from + x, to);
-    }
-    samples.truncate(x * y * z);
+    plan.low_pass(samples, &mut scratch).expect("the lengths are those that the plan asks for");
+    samples.truncate(extent.coarsened(levels).samples());
     rescale(&plan, levels, sample_type, samples);
 }

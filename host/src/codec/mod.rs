@@ -16,6 +16,7 @@ mod read;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use choice::Transform;
 pub use choice::{Choice, UnknownChoice};
 pub use compress::{CompressOptions, Report, compress};
 pub use container::{BrickEntry, Container, Index};

@@ -7,7 +7,7 @@ use wavelift_kernel::metric::{self, Measure};
 use wavelift_kernel::{Codec, Extent, Plan, SampleType, Wavelet, max_encoded_len};
 
 use super::{Row, Table};
-use crate::codec::{Brick, Grid, Progress};
+use crate::codec::{Brick, Grid, Progress, Transform};
 use crate::integers::{NotIntegers, sample_type, widen};
 use crate::volume::{Fault, RankedExtent, Volume};
 
@@ -148,9 +148,7 @@ impl Cut<'_> {
     }
 
     fn plan(&self, wavelet: Option<Wavelet>, brick: &Brick) -> Plan {
-        let extent = extent(brick.sides);
-        let levels = wavelet.map_or(0, |_| self.levels.min(extent.max_levels()));
-        Plan::new(wavelet.unwrap_or(Wavelet::Haar), extent, levels).expect("the extent allows these levels")
+        Transform { wavelet, levels: self.levels }.plan(extent(brick.sides))
     }
 
     /// The samples of a brick, row by row out of the volume.

@@ -1,7 +1,7 @@
 //! The encoder's choice of a predictor.
 
 use super::predict::Predictor;
-use super::rows::RowsBefore;
+use super::rows::each_sample;
 use super::train::Equations;
 use crate::transform::{Plan, Subband};
 
@@ -21,31 +21,28 @@ impl Predictor {
         let Some(low_pass) = plan.subbands(0).next() else { return Self::InPlane };
         let samples = plan.coarsened(plan.levels()).extent().samples();
         let every = samples.div_ceil(COMPARED) | 1;
-        let cost = |predictor: &Self| predictor.cost(plan, low_pass, coefficients, every).unwrap_or(u64::MAX);
-        let fixed = Self::FIXED.into_iter().min_by_key(cost).unwrap_or(Self::InPlane);
+        let cost = |predictor: &Self| predictor.cost(plan, low_pass, coefficients, every);
+        let fixed = Self::FIXED.map(|predictor| (cost(&predictor), predictor));
+        let best = fixed.into_iter().min_by_key(|&(cost, _)| cost);
+        let (fixed_cost, fixed) = best.unwrap_or((u64::MAX, Self::InPlane));
         if samples < WORTH_TRAINING {
             return fixed;
         }
         let trained = Self::Trained(equations.train(plan, low_pass, coefficients));
         let saved =
-            cost(&fixed).saturating_sub(cost(&trained)).saturating_mul(u64::try_from(every).unwrap_or(1));
+            fixed_cost.saturating_sub(cost(&trained)).saturating_mul(u64::try_from(every).unwrap_or(1));
         if saved > WEIGHTS_COST { trained } else { fixed }
     }
 
     /// Bits that the residuals of every so many rows take, about: the length of an Elias gamma code each.
-    fn cost(&self, plan: &Plan, low_pass: Subband, coefficients: &[i32], every: usize) -> Option<u64> {
+    fn cost(&self, plan: &Plan, low_pass: Subband, coefficients: &[i32], every: usize) -> u64 {
         let mut bits = 0_u64;
-        for [y, z] in low_pass.rows().step_by(every.max(1)) {
-            let (before, row) = coefficients.split_at_checked(low_pass.row(plan, y, z))?;
-            let before = RowsBefore::new(plan, low_pass, [y, z], before);
-            let [mut west_west, mut west] = [None; 2];
-            for (x, &value) in row.iter().take(low_pass.sides[0].min(COMPARED)).enumerate() {
-                let residual = value.wrapping_sub(self.predict(&before, x, [west_west, west]));
-                bits = bits.wrapping_add(gamma_bits(residual));
-                [west_west, west] = [west, Some(value)];
-            }
-        }
-        Some(bits)
+        let rows = low_pass.rows().step_by(every.max(1));
+        each_sample(plan, low_pass, coefficients, rows, COMPARED, |before, x, wests, value| {
+            let residual = value.wrapping_sub(self.predict(before, x, wests));
+            bits = bits.wrapping_add(gamma_bits(residual));
+        });
+        bits
     }
 }
 
@@ -66,7 +63,7 @@ mod tests {
         let low_pass = plan.subbands(0).next().unwrap();
         let cost = Predictor::InPlane.cost(&plan, low_pass, &[0, 1, 2, 3, 0, 1, 2, 3], 1);
         // Three steps of 1 in the first row; the second is the same.
-        assert_eq!(cost, Some(5 + 3 * 3));
+        assert_eq!(cost, 5 + 3 * 3);
     }
 
     #[test]

@@ -110,15 +110,10 @@ impl Predictor {
 
     /// The value expected at `x` of a row, after the rows `before` and the last two samples of its own.
     #[inline(always)]
-    pub(super) fn predict(
-        &self,
-        before: &RowsBefore<'_>,
-        x: usize,
-        [west_west, west]: [Option<i32>; 2],
-    ) -> i32 {
+    pub(super) fn predict(&self, before: &RowsBefore<'_>, x: usize, wests: [Option<i32>; 2]) -> i32 {
         match self {
-            Self::Trained(weights) => weights.predict(&Differences::new(before, x, west_west, west)),
-            fixed => fixed.predict_after(Before::new(before, x, west)),
+            Self::Trained(weights) => weights.predict(&Differences::new(before, x, wests)),
+            fixed => fixed.predict_after(Before::new(before, x, wests[1])),
         }
     }
 

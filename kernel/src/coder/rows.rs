@@ -38,6 +38,29 @@ impl<'a> RowsBefore<'a> {
     }
 }
 
+/// For encoders, who know all samples: calls `look` with the first `longest` samples of some `rows` of the low-pass
+/// part, and with what a decoder knows before each: the rows before, x, and the last two samples of the row.
+#[inline(always)]
+pub(super) fn each_sample(
+    plan: &Plan,
+    low_pass: Subband,
+    coefficients: &[i32],
+    rows: impl Iterator<Item = [usize; 2]>,
+    longest: usize,
+    mut look: impl FnMut(&RowsBefore<'_>, usize, [Option<i32>; 2], i32),
+) {
+    let [width, _, _] = low_pass.sides;
+    for [y, z] in rows {
+        let Some((before, row)) = coefficients.split_at_checked(low_pass.row(plan, y, z)) else { return };
+        let before = RowsBefore::new(plan, low_pass, [y, z], before);
+        let [mut west_west, mut west] = [None; 2];
+        for (x, &value) in row.iter().take(width.min(longest)).enumerate() {
+            look(&before, x, [west_west, west], value);
+            [west_west, west] = [west, Some(value)];
+        }
+    }
+}
+
 /// The `N` (odd) samples of `row` around `x`; beyond its ends stands its first or last. Zeros for an empty row.
 #[inline(always)]
 pub(super) fn window<const N: usize>(row: &[i32], x: usize) -> [i32; N] {

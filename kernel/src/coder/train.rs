@@ -1,6 +1,6 @@
 //! Training of the predictor's weights: weighted least squares by its normal equations, in integers.
 
-use super::rows::RowsBefore;
+use super::rows::each_sample;
 use super::weights::{Differences, FRACTION_BITS, LARGEST_WEIGHT, WEIGHTS, Weights};
 use crate::transform::{Plan, Subband};
 
@@ -59,21 +59,15 @@ impl Equations {
         self.reset();
         let [width, height, depth] = low_pass.sides;
         let planes = if first_plane { 1 } else { depth.saturating_sub(1) };
-        // An odd step meets rows at every height; the top rows of planes know too little to learn from, unless there is no other.
+        // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
+        // is no other.
         let every = width.wrapping_mul(height).wrapping_mul(planes).div_ceil(SAMPLES) | 1;
+        let learned_from = |&[y, z]: &[usize; 2]| (y > 0 || height == 1) && (z == 0) == first_plane;
+        let rows = low_pass.rows().filter(learned_from).step_by(every);
         let shift = excess_bits(coefficients);
-        for [y, z] in
-            low_pass.rows().filter(|&[y, z]| (y > 0 || height == 1) && (z == 0) == first_plane).step_by(every)
-        {
-            let Some((before, row)) = coefficients.split_at_checked(low_pass.row(plan, y, z)) else { return };
-            let before = RowsBefore::new(plan, low_pass, [y, z], before);
-            let [mut west_west, mut west] = [None; 2];
-            for (x, &value) in row.iter().take(width.min(SAMPLES)).enumerate() {
-                let differences = Differences::new(&before, x, west_west, west);
-                self.add(&differences, value, shift);
-                [west_west, west] = [west, Some(value)];
-            }
-        }
+        each_sample(plan, low_pass, coefficients, rows, SAMPLES, |before, x, wests, value| {
+            self.add(&Differences::new(before, x, wests), value, shift);
+        });
     }
 
     /// Adds one sample, which counts inversely to the mean size of its differences, so that a few edges do not

@@ -58,7 +58,7 @@ pub(super) struct Differences {
 impl Differences {
     /// Those before the sample at `x` of a row, of which the last two samples are known, if there are two.
     #[inline(always)]
-    pub(super) fn new(before: &RowsBefore<'_>, x: usize, west_west: Option<i32>, west: Option<i32>) -> Self {
+    pub(super) fn new(before: &RowsBefore<'_>, x: usize, [west_west, west]: [Option<i32>; 2]) -> Self {
         let first = |row: &[i32]| row.first().copied();
         let reference = west.or_else(|| first(before.north)).or_else(|| first(before.up)).unwrap_or(0);
         let [a] = [west_west.unwrap_or(reference).wrapping_sub(reference)];

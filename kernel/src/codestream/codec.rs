@@ -166,7 +166,9 @@ impl Codec {
             Storage::Stored => {
                 restore(header.sample_type(), payload, samples);
                 if level > 0 {
-                    coarsen(&plan, level, samples, scratch)?;
+                    let finest =
+                        Plan::new(plan.wavelet(), plan.extent(), level).map_err(|_| Malformed::Levels)?;
+                    finest.low_pass(samples, scratch)?;
                 }
             }
         }
@@ -223,18 +225,4 @@ fn restore(sample_type: SampleType, payload: &[u8], samples: &mut [i32]) {
             _ => 0,
         };
     }
-}
-
-/// Transforms `level` levels of `plan` and moves the low-pass part to the beginning of `samples`.
-fn coarsen(plan: &Plan, level: u8, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), DecodeError> {
-    let finest = Plan::new(plan.wavelet(), plan.extent(), level).map_err(|_| Malformed::Levels)?;
-    finest.forward(samples, scratch)?;
-    let Some(low_pass) = finest.subbands(0).next() else { return Ok(()) };
-    let [width, height, depth] = low_pass.sides;
-    let rows = (0..depth).flat_map(|z| (0..height).map(move |y| (y, z)));
-    for (to, (y, z)) in (0..).step_by(width.max(1)).zip(rows) {
-        let from = low_pass.row(&finest, y, z);
-        move_within(samples, from..from.wrapping_add(width), to);
-    }
-    Ok(())
 }

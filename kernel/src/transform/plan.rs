@@ -2,6 +2,7 @@
 
 use super::lift::{Direction, LANES, Part};
 use crate::error::{at_least, exactly};
+use crate::memory::move_within;
 use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
 
 /// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only
@@ -94,6 +95,23 @@ impl Plan {
         for level in (0..self.levels).rev() {
             for axis in (0..3).rev() {
                 self.lift(level, axis, Direction::Inverse, samples, scratch);
+            }
+        }
+        Ok(())
+    }
+
+    /// Transforms `samples` as [`Plan::forward`] and moves the low-pass part to their beginning: it is the first
+    /// `extent().coarsened(levels()).samples()` of them, x fastest; the others have no meaning.
+    ///
+    /// # Errors
+    /// As [`Plan::forward`].
+    pub fn low_pass(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
+        self.forward(samples, scratch)?;
+        for low_pass in self.subbands(0) {
+            let width = low_pass.sides[0];
+            for (to, [y, z]) in (0..).step_by(width.max(1)).zip(low_pass.rows()) {
+                let from = low_pass.row(self, y, z);
+                move_within(samples, from..from.wrapping_add(width), to);
             }
         }
         Ok(())
