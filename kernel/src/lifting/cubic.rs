@@ -2,13 +2,14 @@
 
 use core::num::Wrapping as W;
 
-use super::step::{Step, nearest, step};
+use super::nearest::nearest;
+use super::step::{Lifting, high, low};
 
-pub(super) const STEPS: [Step; 3] = [
+pub(super) fn steps() -> impl Lifting {
     // s-lift(-1/4, 1)
-    step!(low += |left, d| nearest::<4>(W(-1) * (left + d))),
-    // w-lift(-1, 1)
-    step!(high += |c, next| W(-1) * (c + next)),
-    // s-lift(3/16, 1)
-    step!(low += |left, d| nearest::<16>(W(3) * (left + d))),
-];
+    low(|left, d| nearest::<4>(W(-1) * (left + d)))
+        // w-lift(-1, 1)
+        .then(high(|c, next| W(-1) * (c + next)))
+        // s-lift(3/16, 1)
+        .then(low(|left, d| nearest::<16>(W(3) * (left + d))))
+}

@@ -5,13 +5,14 @@
 
 use core::num::Wrapping as W;
 
-use super::step::{Step, nearest, step};
+use super::nearest::nearest;
+use super::step::{Lifting, flipped_high, low, zero_ended_low};
 
-pub(super) const STEPS: [Step; 3] = [
+pub(super) fn steps() -> impl Lifting {
     // c_i <- c_i - [d_{i-1} / 3]
-    step!(low -= |left, _| nearest::<3>(left)),
-    // d_i <- -d_i + [(9 c_i + 3 c_{i+1}) / 8]
-    step!(high = |c, next| nearest::<8>(W(9) * c + W(3) * next), -high),
-    // c_i <- c_i - [(12 d_i - 4 (d_{i+1} - d_{i-1})) / 27]
-    step!(low -= |left, d, right| nearest::<27>(W(12) * d - W(4) * (right - left))),
-];
+    low(|left, _| W(-1) * nearest::<3>(left))
+        // d_i <- -d_i + [(9 c_i + 3 c_{i+1}) / 8]
+        .then(flipped_high(|c, next| nearest::<8>(W(9) * c + W(3) * next)))
+        // c_i <- c_i - [(12 d_i - 4 (d_{i+1} - d_{i-1})) / 27]
+        .then(zero_ended_low(|left, d, right| W(-1) * nearest::<27>(W(12) * d - W(4) * (right - left))))
+}

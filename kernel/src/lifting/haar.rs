@@ -1,10 +1,13 @@
 //! psi_H, the Haar wavelet: d_i = c_i - d_i, then c_i becomes the mean (Diss Table 3.2, first row).
 
-use super::step::{Step, nearest, step};
+use core::num::Wrapping as W;
 
-pub(super) const STEPS: [Step; 2] = [
+use super::nearest::nearest;
+use super::step::{Lifting, flipped_high, zero_ended_low};
+
+pub(super) fn steps() -> impl Lifting {
     // d_i <- c_i - d_i
-    step!(high = |c, _| c, -high),
-    // c_i <- c_i - [d_i / 2]
-    step!(low -= |_, d, _| nearest::<2>(d)),
-];
+    flipped_high(|c, _| c)
+        // c_i <- c_i - [d_i / 2]
+        .then(zero_ended_low(|_, d, _| W(-1) * nearest::<2>(d)))
+}

@@ -2,11 +2,12 @@
 
 use core::num::Wrapping as W;
 
-use super::step::{Step, nearest, step};
+use super::nearest::nearest;
+use super::step::{Lifting, high, low};
 
-pub(super) const STEPS: [Step; 2] = [
+pub(super) fn steps() -> impl Lifting {
     // w-lift(-1/2, 1)
-    step!(high += |c, next| nearest::<2>(W(-1) * (c + next))),
-    // s-lift(1/4, 1)
-    step!(low += |left, d| nearest::<4>(left + d)),
-];
+    high(|c, next| nearest::<2>(W(-1) * (c + next)))
+        // s-lift(1/4, 1)
+        .then(low(|left, d| nearest::<4>(left + d)))
+}

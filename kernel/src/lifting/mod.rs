@@ -8,19 +8,21 @@
 //! Source: M. Bertram, *Multiresolution Modeling for Scientific Visualization*, dissertation, UC Davis 2000,
 //! §3.3.4–3.4; the conventions in full are in `docs/lifting.md`.
 
-mod boundary;
 mod cubic;
 mod duchaineau;
 pub mod generalized;
 mod haar;
+mod halves;
 mod linear;
+mod nearest;
 mod quadratic;
 mod quintic;
 mod step;
 
 use core::fmt;
 
-pub(crate) use step::{Halves, Step};
+pub(crate) use halves::Halves;
+use step::Lifting;
 
 /// One of the six wavelets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -84,29 +86,27 @@ impl Wavelet {
         }
     }
 
-    /// The lifting steps of the forward transform, in order.
-    pub(crate) const fn steps(self) -> &'static [Step] {
-        match self {
-            Self::Haar => &haar::STEPS,
-            Self::Quadratic => &quadratic::STEPS,
-            Self::Duchaineau => &duchaineau::STEPS,
-            Self::Linear => &linear::STEPS,
-            Self::Cubic => &cubic::STEPS,
-            Self::Quintic => &quintic::STEPS,
-        }
-    }
-
     /// Transforms the lines of `halves` (n >= 2 samples each).
     pub(crate) fn forward(self, halves: &mut Halves<'_>) {
-        for step in self.steps() {
-            (step.forward)(halves);
+        match self {
+            Self::Haar => haar::steps().forward(halves),
+            Self::Quadratic => quadratic::steps().forward(halves),
+            Self::Duchaineau => duchaineau::steps().forward(halves),
+            Self::Linear => linear::steps().forward(halves),
+            Self::Cubic => cubic::steps().forward(halves),
+            Self::Quintic => quintic::steps().forward(halves),
         }
     }
 
     /// Undoes [`Wavelet::forward`]: the steps' inverses in reverse order.
     pub(crate) fn inverse(self, halves: &mut Halves<'_>) {
-        for step in self.steps().iter().rev() {
-            (step.inverse)(halves);
+        match self {
+            Self::Haar => haar::steps().inverse(halves),
+            Self::Quadratic => quadratic::steps().inverse(halves),
+            Self::Duchaineau => duchaineau::steps().inverse(halves),
+            Self::Linear => linear::steps().inverse(halves),
+            Self::Cubic => cubic::steps().inverse(halves),
+            Self::Quintic => quintic::steps().inverse(halves),
         }
     }
 
@@ -142,17 +142,19 @@ mod tests {
     #[test]
     fn short_lines_by_hand() {
         let transform = |wavelet: Wavelet, samples: &[i32]| {
-            let mut low: [i32; 8] = [0; 8];
-            let mut high = [0; 8];
-            let (lows, highs) = (samples.len().div_ceil(2), samples.len() / 2);
-            for (i, pair) in samples.chunks(2).enumerate() {
-                low[i] = pair[0];
-                high[i] = pair.get(1).copied().unwrap_or(0);
+            let (mut scratch, mut line) = ([0; 16], [0; 8]);
+            let mut halves = Halves::new(&mut scratch, 1, samples.len(), 1);
+            for (low, high) in halves.groups() {
+                for (i, pair) in samples.chunks(2).enumerate() {
+                    low[i] = pair[0];
+                    pair.get(1).into_iter().for_each(|&odd| high[i] = odd);
+                }
             }
-            wavelet.forward(&mut Halves::new(&mut low[..lows], &mut high[..highs], 1));
-            let mut line = [0; 8];
-            line[..lows].copy_from_slice(&low[..lows]);
-            line[lows..samples.len()].copy_from_slice(&high[..highs]);
+            wavelet.forward(&mut halves);
+            for (low, high) in halves.groups() {
+                line[..low.len()].copy_from_slice(low);
+                line[low.len()..samples.len()].copy_from_slice(high);
+            }
             line
         };
         // d = 1 - 4 = -3, c = 1 - [-1.5] = 1 - (-1) = 2

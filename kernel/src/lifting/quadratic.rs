@@ -2,13 +2,14 @@
 
 use core::num::Wrapping as W;
 
-use super::step::{Step, nearest, step};
+use super::nearest::nearest;
+use super::step::{Lifting, flipped_high, low, zero_ended_low};
 
-pub(super) const STEPS: [Step; 3] = [
+pub(super) fn steps() -> impl Lifting {
     // c_i <- c_i - [d_{i-1} / 3]
-    step!(low -= |left, _| nearest::<3>(left)),
-    // d_i <- -d_i + [(9 c_i + 3 c_{i+1}) / 8]
-    step!(high = |c, next| nearest::<8>(W(9) * c + W(3) * next), -high),
-    // c_i <- c_i - [4 d_i / 9]
-    step!(low -= |_, d, _| nearest::<9>(W(4) * d)),
-];
+    low(|left, _| W(-1) * nearest::<3>(left))
+        // d_i <- -d_i + [(9 c_i + 3 c_{i+1}) / 8]
+        .then(flipped_high(|c, next| nearest::<8>(W(9) * c + W(3) * next)))
+        // c_i <- c_i - [4 d_i / 9]
+        .then(zero_ended_low(|_, d, _| W(-1) * nearest::<9>(W(4) * d)))
+}

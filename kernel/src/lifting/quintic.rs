@@ -4,15 +4,16 @@
 
 use core::num::Wrapping as W;
 
-use super::step::{Step, nearest, step};
+use super::nearest::nearest;
+use super::step::{Lifting, high, low};
 
-pub(super) const STEPS: [Step; 4] = [
+pub(super) fn steps() -> impl Lifting {
     // w-lift(-1/6, 1)
-    step!(high += |c, next| nearest::<6>(W(-1) * (c + next))),
-    // s-lift(-9/16, 1)
-    step!(low += |left, d| nearest::<16>(W(-9) * (left + d))),
-    // w-lift(-4/3, 1)
-    step!(high += |c, next| nearest::<3>(W(-4) * (c + next))),
-    // s-lift(5/32, 1)
-    step!(low += |left, d| nearest::<32>(W(5) * (left + d))),
-];
+    high(|c, next| nearest::<6>(W(-1) * (c + next)))
+        // s-lift(-9/16, 1)
+        .then(low(|left, d| nearest::<16>(W(-9) * (left + d))))
+        // w-lift(-4/3, 1)
+        .then(high(|c, next| nearest::<3>(W(-4) * (c + next))))
+        // s-lift(5/32, 1)
+        .then(low(|left, d| nearest::<32>(W(5) * (left + d))))
+}

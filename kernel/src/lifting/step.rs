@@ -1,96 +1,104 @@
-//! One lifting step, and the halves of a line that it works on.
+//! Lifting steps, and transforms made of them.
 
 use core::num::Wrapping;
 
-/// The scaling coefficients c (`low`) and wavelet coefficients d (`high`) of `lanes` lines that are transformed
-/// side by side: coefficient i of line k is at `i * lanes + k`.
-///
-/// Lines of n >= 2 samples have n.div_ceil(2) scaling and n / 2 wavelet coefficients.
-#[derive(Debug)]
-pub(crate) struct Halves<'a> {
-    pub(super) low: &'a mut [i32],
-    pub(super) high: &'a mut [i32],
-    pub(super) lanes: usize,
-}
+use super::halves::{Beyond, Halves};
 
-impl<'a> Halves<'a> {
-    pub(crate) const fn new(low: &'a mut [i32], high: &'a mut [i32], lanes: usize) -> Self {
-        Self { low, high, lanes }
+type Sample = Wrapping<i32>;
+
+/// A transform of the halves of a line: a lifting step, or several in turn.
+pub(crate) trait Lifting: Sized {
+    /// Changes `halves` (n >= 2 samples a line).
+    fn forward(&self, halves: &mut Halves<'_>);
+
+    /// Undoes [`Lifting::forward`].
+    fn inverse(&self, halves: &mut Halves<'_>);
+
+    /// This, and then `next`.
+    fn then<L: Lifting>(self, next: L) -> Then<Self, L> {
+        Then(self, next)
     }
 }
 
-/// A lifting step and its inverse.
-#[derive(Debug)]
-pub(crate) struct Step {
-    pub(crate) forward: fn(&mut Halves<'_>),
-    pub(crate) inverse: fn(&mut Halves<'_>),
+/// s-lift: c_i <- c_i + term(d_{i-1}, d_i), reflected at the ends.
+pub(super) fn low<F: Fn(Sample, Sample) -> Sample>(term: F) -> Low<F> {
+    Low(term)
 }
 
-/// \[numerator / D\], the nearest integer with ties toward +inf, for every `i32` numerator and D > 0.
-#[inline(always)]
-pub(super) fn nearest<const D: i32>(numerator: Wrapping<i32>) -> Wrapping<i32> {
-    const { assert!(D > 0 && D < i32::MAX / 2) };
-    let floor = numerator.0.div_euclid(D);
-    let rest = numerator.0.wrapping_sub(floor.wrapping_mul(D));
-    Wrapping(floor) + Wrapping(i32::from(rest.wrapping_add(rest) >= D))
+/// c_i <- c_i + term(d_{i-1}, d_i, d_{i+1}), with zeros beyond the ends.
+pub(super) fn zero_ended_low<F: Fn(Sample, Sample, Sample) -> Sample>(term: F) -> ZeroEndedLow<F> {
+    ZeroEndedLow(term)
 }
 
-/// Writes a step as the paper does: which coefficients change, the neighbours it reads, and the rounded term.
-///
-/// ```text
-/// step!(low  += |left, right| term)         s-lift: c_i reads d_{i-1}, d_i, reflected at the ends
-/// step!(high += |left, right| term)         w-lift: d_i reads c_i, c_{i+1}, reflected at the ends
-/// step!(low  -= |left, right| term)         the same, subtracted
-/// step!(low  -= |left, here, right| term)   c_i reads d_{i-1}, d_i, d_{i+1}, zero beyond the ends
-/// step!(high  = |left, right| term, - high) d_i <- term - d_i, its own inverse
-/// ```
-macro_rules! step {
-    (low += |$left:pat_param, $right:pat_param| $term:expr) => {
-        step!(@lift reflected_low, |c, $left, $right| c + $term, c - $term)
-    };
-    (high += |$left:pat_param, $right:pat_param| $term:expr) => {
-        step!(@lift reflected_high, |d, $left, $right| d + $term, d - $term)
-    };
-    (low -= |$left:pat_param, $right:pat_param| $term:expr) => {
-        step!(@lift reflected_low, |c, $left, $right| c - $term, c + $term)
-    };
-    (low -= |$left:pat_param, $here:pat_param, $right:pat_param| $term:expr) => {
-        step!(@lift zero_ended_low, |c, $left, $here, $right| c - $term, c + $term)
-    };
-    (high = |$left:pat_param, $right:pat_param| $term:expr, - high) => {
-        step!(@lift reflected_high, |d, $left, $right| $term - d, $term - d)
-    };
-    (@lift $visit:ident, |$($argument:pat_param),*| $forward:expr, $inverse:expr) => {
-        $crate::lifting::Step {
-            forward: |halves| halves.$visit(|$($argument),*| $forward),
-            inverse: |halves| halves.$visit(|$($argument),*| $inverse),
-        }
-    };
+/// w-lift: d_i <- d_i + term(c_i, c_{i+1}), reflected at the ends.
+pub(super) fn high<F: Fn(Sample, Sample) -> Sample>(term: F) -> High<F> {
+    High(term)
 }
-pub(super) use step;
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// d_i <- term(c_i, c_{i+1}) - d_i, reflected at the ends: its own inverse.
+pub(super) fn flipped_high<F: Fn(Sample, Sample) -> Sample>(term: F) -> FlippedHigh<F> {
+    FlippedHigh(term)
+}
 
-    #[test]
-    fn nearest_is_exact_for_every_numerator() {
-        fn check<const D: i32>() {
-            let edge = [i32::MIN, i32::MIN + 1, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, i32::MAX - 1, i32::MAX];
-            for numerator in edge.into_iter().chain(-200..200) {
-                let expected = (2 * i64::from(numerator) + i64::from(D)).div_euclid(2 * i64::from(D));
-                assert_eq!(i64::from(nearest::<D>(Wrapping(numerator)).0), expected, "[{numerator} / {D}]");
-            }
-        }
-        check::<1>();
-        check::<2>();
-        check::<3>();
-        check::<4>();
-        check::<6>();
-        check::<8>();
-        check::<9>();
-        check::<16>();
-        check::<27>();
-        check::<32>();
+#[derive(Clone, Copy)]
+pub(crate) struct Then<A, B>(A, B);
+#[derive(Clone, Copy)]
+pub(super) struct Low<F>(F);
+#[derive(Clone, Copy)]
+pub(super) struct ZeroEndedLow<F>(F);
+#[derive(Clone, Copy)]
+pub(super) struct High<F>(F);
+#[derive(Clone, Copy)]
+pub(super) struct FlippedHigh<F>(F);
+
+impl<A: Lifting, B: Lifting> Lifting for Then<A, B> {
+    fn forward(&self, halves: &mut Halves<'_>) {
+        self.0.forward(halves);
+        self.1.forward(halves);
+    }
+
+    fn inverse(&self, halves: &mut Halves<'_>) {
+        self.1.inverse(halves);
+        self.0.inverse(halves);
+    }
+}
+
+impl<F: Fn(Sample, Sample) -> Sample> Lifting for Low<F> {
+    fn forward(&self, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c + self.0(left, d));
+    }
+
+    fn inverse(&self, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c - self.0(left, d));
+    }
+}
+
+impl<F: Fn(Sample, Sample, Sample) -> Sample> Lifting for ZeroEndedLow<F> {
+    fn forward(&self, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Zero, |c, [left, d, right]| c + self.0(left, d, right));
+    }
+
+    fn inverse(&self, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Zero, |c, [left, d, right]| c - self.0(left, d, right));
+    }
+}
+
+impl<F: Fn(Sample, Sample) -> Sample> Lifting for High<F> {
+    fn forward(&self, halves: &mut Halves<'_>) {
+        halves.each_high(|d, [c, next]| d + self.0(c, next));
+    }
+
+    fn inverse(&self, halves: &mut Halves<'_>) {
+        halves.each_high(|d, [c, next]| d - self.0(c, next));
+    }
+}
+
+impl<F: Fn(Sample, Sample) -> Sample> Lifting for FlippedHigh<F> {
+    fn forward(&self, halves: &mut Halves<'_>) {
+        halves.each_high(|d, [c, next]| self.0(c, next) - d);
+    }
+
+    fn inverse(&self, halves: &mut Halves<'_>) {
+        self.forward(halves);
     }
 }

@@ -1,13 +1,17 @@
-//! Lifting along one axis of a part of a brick.
+//! One level of a transform, in place.
 //!
-//! Lines along x are lifted one by one; lines along y and z in panels of up to [`LANES`] neighbours in x, so that
-//! memory is read and written in runs and the compiler can work on several lines at once.
+//! Lines along x are lifted several at a time, end to end; lines along y and z in panels of neighbours in x, side by
+//! side. Either way memory is read and written in runs, and the compiler can work on many samples at once.
 
+use super::row::{Row, divide, interleave, join, separate};
 use crate::lifting::{Halves, Wavelet};
 use crate::memory::copy;
 
 /// Lines lifted side by side along y and z: one cache line of samples.
-pub(super) const LANES: usize = 16;
+const LANES: usize = 16;
+
+/// The most lines that are lifted at a time along x.
+const ROWS: usize = 16;
 
 /// Which way a wavelet is applied.
 #[derive(Clone, Copy, Debug)]
@@ -23,142 +27,163 @@ pub(super) struct Part {
     pub(super) sides: [usize; 3],
 }
 
+/// A wavelet to be applied one way, and memory for the lines that it is applied to.
+#[derive(Debug)]
+pub(super) struct Lifter<'a> {
+    pub(super) wavelet: Wavelet,
+    pub(super) direction: Direction,
+    pub(super) scratch: &'a mut [i32],
+}
+
 /// Neighbouring lines: `lanes` samples at `start`, `start + stride`, … , `n` times.
 #[derive(Clone, Copy, Debug)]
-struct Panel {
+struct Lines {
     start: usize,
     stride: usize,
     n: usize,
     lanes: usize,
 }
 
-impl Part {
-    /// Calls `lift` with each line along x; lines of one sample are left alone.
-    pub(super) fn each_line(self, samples: &mut [i32], mut lift: impl FnMut(&mut [i32])) {
-        let ([x, y, z], [width, height, _]) = (self.part, self.sides);
-        let planes = samples.chunks_mut(width.wrapping_mul(height).max(1)).take(z);
-        for row in planes.flat_map(|plane| plane.chunks_mut(width.max(1)).take(y)) {
-            row.get_mut(..x).map(&mut lift);
+/// `i32`s of scratch that [`Lifter`] takes for a brick of these sides.
+pub(super) const fn scratch_len([x, y, z]: [usize; 3]) -> usize {
+    let longest = if y > z { y } else { z };
+    let lanes = if x < LANES { x } else { LANES };
+    let columns = if longest > 1 { Halves::group_len(lanes, longest) } else { 0 };
+    let row = if x > 1 { Halves::group_len(1, x) } else { 0 };
+    if row > columns { row } else { columns }
+}
+
+impl Lifter<'_> {
+    /// Lifts the lines of `part`, those longer than one sample: forward along x, y, z, inverse along z, y, x.
+    ///
+    /// Along x and y slice by slice, which the fastest memory may hold.
+    pub(super) fn lift(&mut self, part: Part, samples: &mut [i32]) {
+        let ([x, y, z], [width, height, _]) = (part.part, part.sides);
+        let slice = width.wrapping_mul(height);
+        if let Direction::Inverse = self.direction {
+            self.lift_depth(part, samples);
+        }
+        let columns = Lines { start: 0, stride: width, n: y, lanes: x };
+        for slice in samples.chunks_mut(slice.max(1)).take(z) {
+            let rows = slice.get_mut(..width.wrapping_mul(y)).unwrap_or_default();
+            match self.direction {
+                Direction::Forward => {
+                    self.lift_rows(x, width, rows);
+                    self.lift_lines(columns, rows);
+                }
+                Direction::Inverse => {
+                    self.lift_lines(columns, rows);
+                    self.lift_rows(x, width, rows);
+                }
+            }
+        }
+        if let Direction::Forward = self.direction {
+            self.lift_depth(part, samples);
         }
     }
 
-    /// The panels that hold every line along y.
-    fn along_y(self) -> impl Iterator<Item = Panel> {
-        let ([x, n, z], [width, height, _]) = (self.part, self.sides);
-        let starts = (0..z).map(move |z| z.wrapping_mul(width.wrapping_mul(height)));
-        starts.flat_map(move |start| panels(start, x, width, n))
-    }
-
-    /// The panels that hold every line along z.
-    fn along_z(self) -> impl Iterator<Item = Panel> {
-        let ([x, y, n], [width, height, _]) = (self.part, self.sides);
-        let starts = (0..y).map(move |y| y.wrapping_mul(width));
-        starts.flat_map(move |start| panels(start, x, width.wrapping_mul(height), n))
-    }
-
-    /// Lifts every line along `axis` (0 = x) that is longer than one sample, in place.
-    pub(super) fn lift(
-        self,
-        axis: u8,
-        wavelet: Wavelet,
-        direction: Direction,
-        memory: (&mut [i32], &mut [i32]),
-    ) {
-        let (samples, scratch) = memory;
-        let [x, y, z] = self.part;
-        match axis {
-            0 if x > 1 => self.each_line(samples, |line| match direction {
-                Direction::Forward => forward_line(wavelet, line, scratch),
-                Direction::Inverse => inverse_line(wavelet, line, scratch),
-            }),
-            1 if y > 1 => self.along_y().for_each(|panel| panel.lift(wavelet, direction, samples, scratch)),
-            2 if z > 1 => self.along_z().for_each(|panel| panel.lift(wavelet, direction, samples, scratch)),
-            _ => {}
+    /// Lifts along z.
+    fn lift_depth(&mut self, part: Part, samples: &mut [i32]) {
+        let ([lanes, y, n], [width, height, _]) = (part.part, part.sides);
+        for start in (0..y).map(|row| row.wrapping_mul(width)) {
+            self.lift_lines(Lines { start, stride: width.wrapping_mul(height), n, lanes }, samples);
         }
     }
-}
 
-/// Panels over the `x` neighbouring lines that begin at `start`.
-fn panels(start: usize, x: usize, stride: usize, n: usize) -> impl Iterator<Item = Panel> {
-    (0..x).step_by(LANES).map(move |lane| Panel {
-        start: start.wrapping_add(lane),
-        stride,
-        n,
-        lanes: LANES.min(x.wrapping_sub(lane)),
-    })
-}
+    /// Lifts the first `x` samples of each row of `width`.
+    fn lift_rows(&mut self, x: usize, width: usize, rows: &mut [i32]) {
+        if x < 2 {
+            return;
+        }
+        let room = self.scratch.len().checked_div(Halves::group_len(1, x)).unwrap_or(0);
+        let batch = room.clamp(1, ROWS);
+        for rows in rows.chunks_mut(width.wrapping_mul(batch).max(1)) {
+            let mut halves = Halves::new(self.scratch, 1, x, batch);
+            match self.direction {
+                Direction::Forward => {
+                    each_row(rows, [x, width], &mut halves, separate);
+                    self.wavelet.forward(&mut halves);
+                    each_row(rows, [x, width], &mut halves, join);
+                }
+                Direction::Inverse => {
+                    each_row(rows, [x, width], &mut halves, divide);
+                    self.wavelet.inverse(&mut halves);
+                    each_row(rows, [x, width], &mut halves, interleave);
+                }
+            }
+        }
+    }
 
-fn forward_line(wavelet: Wavelet, line: &mut [i32], scratch: &mut [i32]) {
-    let Some(scratch) = scratch.get_mut(..line.len()) else { return };
-    let Some((low, high)) = scratch.split_at_mut_checked(line.len().div_ceil(2)) else { return };
-    let (pairs, odd) = line.as_chunks::<2>();
-    for ((&[even, odd], c), d) in pairs.iter().zip(low.iter_mut()).zip(high.iter_mut()) {
-        (*c, *d) = (even, odd);
+    /// Lifts neighbouring lines, panel by panel.
+    fn lift_lines(&mut self, lines: Lines, samples: &mut [i32]) {
+        if lines.n < 2 {
+            return;
+        }
+        for lane in (0..lines.lanes).step_by(LANES) {
+            let lanes = LANES.min(lines.lanes.wrapping_sub(lane));
+            self.lift_panel(Lines { start: lines.start.wrapping_add(lane), lanes, ..lines }, samples);
+        }
     }
-    if let (&[last], Some(c)) = (odd, low.last_mut()) {
-        *c = last;
-    }
-    wavelet.forward(&mut Halves::new(low, high, 1));
-    copy(scratch, line);
-}
 
-fn inverse_line(wavelet: Wavelet, line: &mut [i32], scratch: &mut [i32]) {
-    let Some(scratch) = scratch.get_mut(..line.len()) else { return };
-    copy(line, scratch);
-    let Some((low, high)) = scratch.split_at_mut_checked(line.len().div_ceil(2)) else { return };
-    wavelet.inverse(&mut Halves::new(low, high, 1));
-    let (pairs, odd) = line.as_chunks_mut::<2>();
-    for ((pair, &c), &d) in pairs.iter_mut().zip(low.iter()).zip(high.iter()) {
-        *pair = [c, d];
-    }
-    if let ([last], Some(&c)) = (odd, low.last()) {
-        *last = c;
-    }
-}
-
-impl Panel {
-    fn lift(self, wavelet: Wavelet, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
-        let Some(scratch) = scratch.get_mut(..self.n.wrapping_mul(self.lanes)) else { return };
-        let lows = self.n.div_ceil(2);
-        let split = lows.wrapping_mul(self.lanes);
-        let interleaved = |row: usize| match row.checked_sub(lows) {
-            None => row.wrapping_mul(2),
-            Some(i) => i.wrapping_mul(2).wrapping_add(1),
+    fn lift_panel(&mut self, panel: Lines, samples: &mut [i32]) {
+        let mut halves = Halves::new(self.scratch, panel.lanes, panel.n, 1);
+        // Where the first d is, and how far it is from one c or d to the next.
+        let (in_turn, in_halves) = ((1, 2), (panel.n.div_ceil(2), 1));
+        let (from, to) = match self.direction {
+            Direction::Forward => (in_turn, in_halves),
+            Direction::Inverse => (in_halves, in_turn),
         };
-        let in_order = |row: usize| row;
-        match direction {
-            Direction::Forward => {
-                self.gather(samples, scratch, interleaved);
-                let Some((low, high)) = scratch.split_at_mut_checked(split) else { return };
-                wavelet.forward(&mut Halves::new(low, high, self.lanes));
-                self.scatter(samples, scratch, in_order);
+        for (low, high) in halves.groups() {
+            panel.gather(samples, low, (0, from.1));
+            panel.gather(samples, high, from);
+        }
+        match self.direction {
+            Direction::Forward => self.wavelet.forward(&mut halves),
+            Direction::Inverse => self.wavelet.inverse(&mut halves),
+        }
+        for (low, high) in halves.groups() {
+            panel.scatter(samples, low, (0, to.1));
+            panel.scatter(samples, high, to);
+        }
+    }
+}
+
+/// Calls `work` with the first `x` samples of each row of `width`, and with its halves.
+#[inline(always)]
+fn each_row(rows: &mut [i32], [x, width]: [usize; 2], halves: &mut Halves<'_>, work: impl Fn(Row<'_>)) {
+    for (samples, (low, high)) in rows.chunks_mut(width.max(1)).zip(halves.groups()) {
+        let samples = samples.get_mut(..x).unwrap_or_default();
+        work(Row { samples, low, high });
+    }
+}
+
+impl Lines {
+    /// Copies its samples `first`, `first + step`, … to a half.
+    fn gather(self, samples: &[i32], half: &mut [i32], (first, step): (usize, usize)) {
+        let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
+        let rows = samples.get(start..).unwrap_or_default().chunks(self.stride.wrapping_mul(step).max(1));
+        if self.lanes == LANES {
+            for (to, from) in
+                half.as_chunks_mut::<LANES>().0.iter_mut().zip(rows.filter_map(<[i32]>::first_chunk))
+            {
+                *to = *from;
             }
-            Direction::Inverse => {
-                self.gather(samples, scratch, in_order);
-                let Some((low, high)) = scratch.split_at_mut_checked(split) else { return };
-                wavelet.inverse(&mut Halves::new(low, high, self.lanes));
-                self.scatter(samples, scratch, interleaved);
-            }
+        } else {
+            half.chunks_exact_mut(self.lanes.max(1)).zip(rows).for_each(|(to, from)| copy(from, to));
         }
     }
 
-    /// Copies row `place(row)` of the lines to each row of `scratch`.
-    fn gather(self, samples: &[i32], scratch: &mut [i32], place: impl Fn(usize) -> usize) {
-        for (row, to) in scratch.chunks_exact_mut(self.lanes.max(1)).enumerate() {
-            let start = self.start.wrapping_add(place(row).wrapping_mul(self.stride));
-            if let Some(from) = samples.get(start..start.wrapping_add(self.lanes)) {
-                copy(from, to);
+    /// Copies a half to its samples `first`, `first + step`, …
+    fn scatter(self, samples: &mut [i32], half: &[i32], (first, step): (usize, usize)) {
+        let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
+        let rows = samples.get_mut(start..).unwrap_or_default();
+        let rows = rows.chunks_mut(self.stride.wrapping_mul(step).max(1));
+        if self.lanes == LANES {
+            for (to, from) in rows.filter_map(<[i32]>::first_chunk_mut).zip(half.as_chunks::<LANES>().0) {
+                *to = *from;
             }
-        }
-    }
-
-    /// Copies each row of `scratch` to row `place(row)` of the lines.
-    fn scatter(self, samples: &mut [i32], scratch: &[i32], place: impl Fn(usize) -> usize) {
-        for (row, from) in scratch.chunks_exact(self.lanes.max(1)).enumerate() {
-            let start = self.start.wrapping_add(place(row).wrapping_mul(self.stride));
-            if let Some(to) = samples.get_mut(start..start.wrapping_add(self.lanes)) {
-                copy(from, to);
-            }
+        } else {
+            rows.zip(half.chunks_exact(self.lanes.max(1))).for_each(|(to, from)| copy(from, to));
         }
     }
 }

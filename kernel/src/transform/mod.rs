@@ -5,6 +5,7 @@
 
 mod lift;
 mod plan;
+mod row;
 mod subband;
 
 pub use plan::Plan;

@@ -1,6 +1,6 @@
 //! A transform that is known to be possible.
 
-use super::lift::{Direction, LANES, Part};
+use super::lift::{Direction, Lifter, Part, scratch_len};
 use crate::error::{at_least, exactly};
 use crate::memory::move_within;
 use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
@@ -79,9 +79,7 @@ impl Plan {
     pub fn forward(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
         self.check(samples, scratch)?;
         for level in 0..self.levels {
-            for axis in 0..3 {
-                self.lift(level, axis, Direction::Forward, samples, scratch);
-            }
+            self.lift(level, Direction::Forward, samples, scratch);
         }
         Ok(())
     }
@@ -93,9 +91,7 @@ impl Plan {
     pub fn inverse(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
         self.check(samples, scratch)?;
         for level in (0..self.levels).rev() {
-            for axis in (0..3).rev() {
-                self.lift(level, axis, Direction::Inverse, samples, scratch);
-            }
+            self.lift(level, Direction::Inverse, samples, scratch);
         }
         Ok(())
     }
@@ -122,19 +118,12 @@ impl Plan {
         at_least(Slice::Scratch, self.scratch_len(), scratch.len())
     }
 
-    fn lift(&self, level: u8, axis: u8, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
+    fn lift(&self, level: u8, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
         let part = Part { part: self.extent.coarsened(level).sides(), sides: self.extent.sides() };
-        part.lift(axis, self.wavelet, direction, (samples, scratch));
+        Lifter { wavelet: self.wavelet, direction, scratch }.lift(part, samples);
     }
 
     const fn transform_scratch_len(&self) -> usize {
-        if self.levels == 0 {
-            return 0;
-        }
-        let [x, y, z] = self.extent.sides();
-        let longest = if y > z { y } else { z };
-        let lanes = if x < LANES { x } else { LANES };
-        let columns = if longest > 1 { longest.saturating_mul(lanes) } else { 0 };
-        if x > columns { x } else { columns }
+        if self.levels == 0 { 0 } else { scratch_len(self.extent.sides()) }
     }
 }
