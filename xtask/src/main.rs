@@ -57,8 +57,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Speed of lifting, encoding and decoding, with rival codecs where Python has them
-    Bench,
+    /// Size, speed and memory, with rival codecs where Python has them
+    Bench(bench::Options),
 }
 
 fn main() -> ExitCode {
@@ -77,7 +77,7 @@ fn main() -> ExitCode {
         Command::Matrix { list_targets: false } => matrix::run(),
         Command::Doc => doc::run(),
         Command::Vectors { arguments } => vectors::run(&arguments),
-        Command::Bench => bench::run(),
+        Command::Bench(options) => bench::run(&options),
     };
     for failure in &failures {
         eprintln!("failed: {failure}");

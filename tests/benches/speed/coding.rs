@@ -1,0 +1,96 @@
+//! Whole volumes through the host library, as the program `wavelift` does it, from memory to a file and back.
+
+use std::error::Error;
+use std::path::Path;
+
+use serde::Serialize;
+use wavelift_host::codec::{CompressError, Container, ContainerError, Part, compress};
+use wavelift_host::volume::Volume;
+
+use crate::ALLOCATOR;
+use crate::list::Listed;
+use crate::stopwatch::least;
+use crate::ways::{self, Way};
+
+/// A row of the record.
+#[derive(Serialize)]
+struct Row<'a> {
+    measure: &'static str,
+    volume: &'a str,
+    task: &'static str,
+    codec: &'a str,
+    bytes: u64,
+    encode_seconds: f64,
+    decode_seconds: f64,
+    /// Most bytes allocated at once beside the samples that go in, what comes out included.
+    encode_memory: usize,
+    /// The same for what comes back.
+    decode_memory: usize,
+    right: bool,
+}
+
+/// Prints a row for each way to code a volume.
+pub(crate) fn measure(listed: &Listed) -> Result<(), Box<dyn Error>> {
+    let original = listed.volume()?;
+    let file = tempfile::NamedTempFile::new()?;
+    for way in ways::all() {
+        let (encode_memory, encoded) = peak(|| encode(&original, &way));
+        std::fs::write(file.path(), encoded?)?;
+        let (decode_memory, decoded) = peak(|| decode(file.path()));
+        let right = decoded?.samples == original.samples;
+        let (encode_time, encoded) = least(|| encode(&original, &way))?;
+        let (decode_time, _) = least(|| decode(file.path()))?;
+        let row = Row {
+            measure: "coding",
+            volume: &listed.name,
+            task: if original.element.is_float() { "lossless floats" } else { "lossless" },
+            codec: way.codec,
+            bytes: encoded.len() as u64,
+            encode_seconds: encode_time.as_secs_f64(),
+            decode_seconds: decode_time.as_secs_f64(),
+            encode_memory,
+            decode_memory,
+            right,
+        };
+        println!("{}", serde_json::to_string(&row)?);
+    }
+    Ok(())
+}
+
+/// Encodes and decodes a volume so often in the way of `codec`.
+pub(crate) fn repeat(
+    listed: &Listed,
+    codec: &str,
+    encodings: u32,
+    decodings: u32,
+) -> Result<(), Box<dyn Error>> {
+    let original = listed.volume()?;
+    let way = ways::all().into_iter().find(|way| way.codec == codec);
+    let way = way.ok_or_else(|| format!("no codec {codec}"))?;
+    let file = tempfile::NamedTempFile::new()?;
+    for _ in 0..encodings {
+        std::fs::write(file.path(), encode(&original, &way)?)?;
+    }
+    for _ in 0..decodings {
+        assert_eq!(decode(file.path())?.samples, original.samples, "decoding does not restore");
+    }
+    Ok(())
+}
+
+fn encode(volume: &Volume, way: &Way) -> Result<Vec<u8>, CompressError> {
+    let mut out = Vec::new();
+    compress(volume, &way.options, &mut out, &|_| {})?;
+    Ok(out)
+}
+
+fn decode(path: &Path) -> Result<Volume, ContainerError> {
+    Container::open(path)?.read(&Part::default(), std::num::NonZeroUsize::new(1), &|_| {})
+}
+
+/// Most bytes that `work` had allocated at once.
+fn peak<T>(work: impl FnOnce() -> T) -> (usize, T) {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let result = work();
+    (ALLOCATOR.peak_usage().saturating_sub(before), result)
+}

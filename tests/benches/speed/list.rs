@@ -1,0 +1,30 @@
+//! The volumes to measure, as `cargo xtask bench` lists them.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use wavelift_host::volume::{self, ByteOrder, RankedExtent, RawLayout, Volume};
+
+/// A raw file, little-endian.
+#[derive(Deserialize)]
+pub(crate) struct Listed {
+    pub(crate) name: String,
+    path: PathBuf,
+    extent: [u64; 3],
+    #[serde(rename = "type")]
+    element: String,
+}
+
+pub(crate) fn read(path: &Path) -> Result<Vec<Listed>, Box<dyn Error>> {
+    Ok(serde_json::from_str(&std::fs::read_to_string(path)?)?)
+}
+
+impl Listed {
+    pub(crate) fn volume(&self) -> Result<Volume, Box<dyn Error>> {
+        let [x, y, z] = self.extent;
+        let extent: RankedExtent = format!("{x}x{y}x{z}").parse()?;
+        let layout = RawLayout { extent, element: self.element.parse()?, byte_order: ByteOrder::Little };
+        Ok(volume::read(&self.path, Some(&layout))?)
+    }
+}
