@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod atomic;
+pub mod bound;
 pub mod codec;
 pub mod integers;
 pub mod tables;

@@ -85,6 +85,9 @@ pub enum DecodeError {
     },
     /// The bytes break a rule of the format.
     Malformed(Malformed),
+    /// The codestream is for [`Lattice`](crate::Lattice) if it was given to [`Codec`](crate::Codec), and the other way
+    /// round: the caller's fault, not the data's.
+    OtherCodec,
     /// Bytes follow the codestream.
     TrailingBytes,
     /// Lent memory has the wrong length: the caller's fault, not the data's.
@@ -94,6 +97,8 @@ pub enum DecodeError {
         /// The coarsest level it holds.
         max: u8,
     },
+    /// The codestream is dense and no [`Dense`](crate::Dense) was lent: the caller's fault, not the data's.
+    NeedsDense,
 }
 
 /// The rule of the format that a codestream breaks; see `docs/codestream.md`.
@@ -109,8 +114,6 @@ pub enum Malformed {
     Extent,
     /// More levels than the extent allows, or a wavelet without levels.
     Levels,
-    /// A weight of the predictor above 8.
-    Weight,
     /// The length of the stored samples is not that of the extent.
     StoredLength,
     /// A segment is longer than its coefficients need, ends in a zero byte, or lies above the coder's interval.
@@ -252,9 +255,11 @@ impl fmt::Display for DecodeError {
             Self::NotACodestream => f.write_str("not a wavelift codestream"),
             Self::UnsupportedVersion { found } => write!(f, "unsupported codestream version {found}"),
             Self::Malformed(malformed) => malformed.fmt(f),
+            Self::OtherCodec => f.write_str("the codestream is for the other codec"),
             Self::TrailingBytes => f.write_str("bytes follow the codestream"),
             Self::Length(error) => error.fmt(f),
             Self::LevelOutOfRange { max } => write!(f, "the coarsest level of the codestream is {max}"),
+            Self::NeedsDense => f.write_str("a dense codestream, to be decoded with the memory for it"),
         }
     }
 }
@@ -266,7 +271,6 @@ impl fmt::Display for Malformed {
             Self::Number => "malformed codestream: number not in shortest form",
             Self::Extent => "malformed codestream: impossible extent",
             Self::Levels => "malformed codestream: impossible levels",
-            Self::Weight => "malformed codestream: weight above 8",
             Self::StoredLength => "malformed codestream: stored samples of the wrong length",
             Self::Segment => "malformed codestream: segment not as an encoder ends it",
             Self::Sample => "malformed codestream: sample outside its type",

@@ -121,7 +121,7 @@ mod tests {
     use embedded_io::{ErrorKind, ErrorType};
 
     use super::*;
-    use crate::{Codec, Extent, Plan, SampleType, Wavelet};
+    use crate::{Codec, Effort, Extent, Plan, SampleType, Wavelet};
 
     /// Lets through `piece` bytes at a time, `left` in all, and then fails, or ends if there is no `error`.
     struct Drip<'a> {
@@ -173,12 +173,16 @@ mod tests {
     /// A codestream of 64 samples, and its length.
     fn codestream() -> ([u8; LEN], usize) {
         let plan = Plan::new(Wavelet::Linear, Extent::line(64).unwrap(), 3).unwrap();
-        let (mut samples, mut scratch, mut bytes) = ([0; 64], [0; 256], [0; LEN]);
+        let (mut samples, mut bytes) = ([0; 64], [0; LEN]);
+        let mut scratch =
+            heapless::Vec::<_, 512>::from_iter([0; 64].into_iter().cycle().take(plan.scratch_len()));
         for (i, sample) in (0..).zip(&mut samples) {
             *sample = i * i % 50;
         }
         let mut codec = Codec::NEW;
-        let len = codec.encode(&plan, SampleType::U8, &mut samples, &mut scratch, &mut bytes).unwrap();
+        let len = codec
+            .encode(Effort::Fast, &plan, SampleType::U8, &mut samples, &mut scratch, &mut bytes)
+            .unwrap();
         (bytes, len)
     }
 

@@ -45,7 +45,8 @@ mod sample;
 pub mod stencil;
 pub mod transform;
 
-pub use codestream::{Codec, Header, max_encoded_len};
+pub use coder::{Dense, Lattice, Training};
+pub use codestream::{Codec, Effort, Header, Near, max_encoded_len};
 pub use error::{
     AdjacencyError, DecodeError, EncodeError, LengthError, LiftError, Malformed, PlanError, Slice,
 };

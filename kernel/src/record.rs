@@ -81,7 +81,7 @@ impl<const N: usize> IndexRecord<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Codec, Extent, Plan};
+    use crate::{Codec, Effort, Extent, Plan};
 
     const ENTRY: Entry = Entry {
         position: [0, 64, 300],
@@ -158,7 +158,8 @@ mod tests {
         let plan = Plan::new(Wavelet::Haar, Extent::slice(8, 4).unwrap(), 2).unwrap();
         let (mut samples, mut scratch, mut out) = ([0; 32], [0; 256], [0; 64]);
         let mut codec = Codec::NEW;
-        let len = codec.encode(&plan, SampleType::I8, &mut samples, &mut scratch, &mut out).unwrap();
+        let len =
+            codec.encode(Effort::Fast, &plan, SampleType::I8, &mut samples, &mut scratch, &mut out).unwrap();
         let entry = Entry::new([8, 0, 0], &Header::parse(&out).unwrap(), 7);
         let expected = Entry {
             position: [8, 0, 0],

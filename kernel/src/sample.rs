@@ -51,6 +51,15 @@ impl SampleType {
         }
     }
 
+    /// Bits of one sample.
+    pub(crate) const fn bits(self) -> u32 {
+        match self {
+            Self::U8 | Self::I8 => 8,
+            Self::U16 | Self::I16 => 16,
+            Self::U32 | Self::I32 => 32,
+        }
+    }
+
     /// The values that samples of this type take as `i32`.
     #[must_use]
     pub const fn range(self) -> RangeInclusive<i32> {

@@ -2,7 +2,11 @@
 
 use std::fmt::Debug;
 
-use wavelift_kernel::{Codec, DecodeError, EncodeError, Header, Plan, SampleType, max_encoded_len};
+use wavelift_kernel::{
+    Codec, DecodeError, Dense, EncodeError, Header, Lattice, Near, Plan, SampleType, max_encoded_len,
+};
+
+use crate::effort::Effort;
 
 /// Elements before and after what is lent.
 const GUARD: usize = 32;
@@ -62,15 +66,20 @@ impl Lent<i32> {
 /// Encodes into `room` bytes: the codestream or the error, and what is left in the samples.
 pub fn encode_within(
     codec: &mut Codec,
+    effort: Effort,
     plan: &Plan,
     sample_type: SampleType,
     samples: &[i32],
     room: usize,
 ) -> (Result<Vec<u8>, EncodeError>, Vec<i32>) {
     let mut samples = Lent::samples(samples);
-    let (mut scratch, mut out) = (Lent::stale(plan.scratch_len()), Lent::new(room, 0xA5));
-    let encoded = codec.encode(plan, sample_type, samples.lend(), scratch.lend(), out.lend());
-    scratch.take_back();
+    let mut out = Lent::new(room, 0xA5);
+    let encoded = effort.lend(|effort| {
+        let mut scratch = Lent::stale(effort.scratch_len(plan));
+        let encoded = codec.encode(effort, plan, sample_type, samples.lend(), scratch.lend(), out.lend());
+        scratch.take_back();
+        encoded
+    });
     let out = out.take_back();
     (encoded.map(|len| out[..len].to_vec()), samples.take_back())
 }
@@ -80,9 +89,55 @@ pub fn encode_within(
 /// # Panics
 ///
 /// If that fails, which it must not.
-pub fn encode(codec: &mut Codec, plan: &Plan, sample_type: SampleType, samples: &[i32]) -> Vec<u8> {
+pub fn encode(
+    codec: &mut Codec,
+    effort: Effort,
+    plan: &Plan,
+    sample_type: SampleType,
+    samples: &[i32],
+) -> Vec<u8> {
     let room = max_encoded_len(plan.extent(), sample_type).expect("it fits memory, as the samples do");
-    encode_within(codec, plan, sample_type, samples, room).0.expect("room for any codestream of the plan")
+    encode_within(codec, effort, plan, sample_type, samples, room)
+        .0
+        .expect("room for any codestream of the plan")
+}
+
+/// Encodes a lattice into as much memory as any may take.
+///
+/// # Panics
+///
+/// If that fails, which it must not, or if the samples are not what they were.
+pub fn encode_near(near: Near, samples: &[i32]) -> Vec<u8> {
+    let room = max_encoded_len(near.extent, near.sample_type).expect("it fits memory, as the samples do");
+    let (mut lent, mut out) = (Lent::samples(samples), Lent::new(room, 0xA5));
+    let mut scratch = Lent::stale(Lattice::encoding_scratch_len(near.extent));
+    let mut lattice = Box::new(Lattice::NEW);
+    let encoded = lattice.encode(near, lent.lend(), scratch.lend(), out.lend());
+    scratch.take_back();
+    assert_eq!(lent.take_back(), samples, "the samples changed");
+    let len = encoded.expect("room for any codestream of the extent");
+    out.take_back()[..len].to_vec()
+}
+
+/// [`decode`] of a codestream of any storage, by the codec for that of `lent_for`.
+///
+/// # Errors
+///
+/// Those of [`Codec::decode_dense`] and [`Lattice::decode_to_level`].
+pub fn decode_any(bytes: &[u8], level: u8, lent_for: &Header) -> Result<Vec<i32>, DecodeError> {
+    let mut samples = Lent::stale(lent_for.samples_len(level));
+    let mut scratch = Lent::stale(lent_for.scratch_len());
+    let decoded = if lent_for.slack().is_some() {
+        let mut lattice = Box::new(Lattice::NEW);
+        lattice.decode_to_level(bytes, level, samples.lend(), scratch.lend())
+    } else {
+        let (mut codec, mut dense) = (Box::new(Codec::NEW), Box::new(Dense::NEW));
+        codec.decode_dense(&mut dense, bytes, level, samples.lend(), scratch.lend())
+    };
+    scratch.take_back();
+    let mut samples = samples.take_back();
+    samples.truncate(decoded?.extent_at(level).samples());
+    Ok(samples)
 }
 
 /// Decodes `bytes` to a level in memory of the lengths that `lent_for` asks for: the samples of that level.
@@ -97,7 +152,7 @@ pub fn decode(
     lent_for: &Header,
 ) -> Result<Vec<i32>, DecodeError> {
     let mut samples = Lent::stale(lent_for.samples_len(level));
-    let mut scratch = Lent::stale(lent_for.plan().scratch_len());
+    let mut scratch = Lent::stale(lent_for.scratch_len());
     let decoded = codec.decode_to_level(bytes, level, samples.lend(), scratch.lend());
     scratch.take_back();
     let mut samples = samples.take_back();

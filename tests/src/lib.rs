@@ -1,6 +1,7 @@
 //! Conformance: what the tests of this package share.
 
 pub mod corrupt;
+pub mod effort;
 pub mod inputs;
 pub mod lent;
 pub mod oracle;

@@ -31,6 +31,15 @@ pub fn forward(plan: &Plan, samples: &[i32]) -> Vec<i32> {
     coefficients
 }
 
+/// Every 2^level-th of `samples` along each axis.
+#[must_use]
+pub fn lattice(plan: &Plan, samples: &[i32], level: u8) -> Vec<i32> {
+    let [width, height, depth] = sides(plan.extent());
+    let every = |n: usize| (0..n).step_by(1 << level);
+    let rows = every(depth).flat_map(|z| every(height).map(move |y| (z * height + y) * width));
+    rows.flat_map(|start| every(width).map(move |x| samples[start + x])).collect()
+}
+
 /// What is left of `samples` after `level` levels of the plan's transform.
 #[must_use]
 pub fn low_pass(plan: &Plan, samples: &[i32], level: u8) -> Vec<i32> {

@@ -1,15 +1,19 @@
 //! Golden vectors: the entries of `vectors/MANIFEST.toml`, and what is made of them.
 //!
-//! A vector with a recipe (`input` and `plan`) is what the encoder makes of that input; a handmade one is the
-//! bytes of its `hex`. Messages are for people: every error is a sentence that names the vector or file.
+//! A vector with a recipe (`input` and `plan`) is what the encoder makes of that input; any other is the bytes of
+//! its `hex`. Messages are for people: every error is a sentence that names the vector or file.
 
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
-use wavelift_kernel::{Codec, DecodeError, Extent, Header, Plan, SampleType, Wavelet, max_encoded_len};
+use wavelift_kernel::{
+    Codec, DecodeError, Extent, Header, LengthError, Near, Plan, SampleType, Slice, Wavelet,
+};
 
+use crate::effort::Effort;
 use crate::inputs::{Input, positions};
+use crate::lent;
 
 /// Samples that a vector may claim to hold; a larger claim is refused before memory is taken for it.
 const MAX_SAMPLES: usize = 1 << 20;
@@ -54,7 +58,7 @@ pub struct Data {
 pub struct Vector {
     /// Unique name; the name of the file without its ending.
     pub id: String,
-    /// From the folder of the manifest, in `v1/`, `handmade/` or `reject/`.
+    /// From the folder of the manifest, in `v2/`, `handmade/` or `reject/`.
     pub file: String,
     /// Checksum of the file; absent until the file is added.
     pub sha256: Option<String>,
@@ -66,7 +70,7 @@ pub struct Vector {
     pub input: Option<Input>,
     /// How they are encoded.
     pub plan: Option<Recipe>,
-    /// The bytes of a handmade vector; blanks between them are for the reader.
+    /// The bytes of a vector without a recipe; blanks between them are for the reader.
     pub hex: Option<String>,
     /// Version of the codestream it is written in.
     pub since: u8,
@@ -78,10 +82,22 @@ pub struct Vector {
     pub replaced: Option<String>,
 }
 
-/// Wavelet, extent, levels and type of a recipe.
+/// How the samples of a vector are encoded.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(untagged)]
+pub enum Recipe {
+    /// By the codec.
+    Coded(Coded),
+    /// As a lattice.
+    Lattice(Nearness),
+}
+
+/// Effort, wavelet, extent, levels and type of a recipe.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Recipe {
+pub struct Coded {
+    /// How much the encoder tries.
+    pub effort: Effort,
     /// By its name.
     #[serde(deserialize_with = "wavelet")]
     pub wavelet: Wavelet,
@@ -92,6 +108,71 @@ pub struct Recipe {
     /// Type of the samples.
     #[serde(rename = "type", deserialize_with = "sample_type")]
     pub sample_type: SampleType,
+}
+
+/// Slack, extent and type of a recipe.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Nearness {
+    /// How far a decoded sample may be from its original.
+    pub slack: u32,
+    /// Samples per axis.
+    pub extent: [u32; 3],
+    /// Type of the samples.
+    #[serde(rename = "type", deserialize_with = "sample_type")]
+    pub sample_type: SampleType,
+}
+
+impl Recipe {
+    /// Samples per axis.
+    #[must_use]
+    pub const fn extent(&self) -> [u32; 3] {
+        match self {
+            Self::Coded(coded) => coded.extent,
+            Self::Lattice(lattice) => lattice.extent,
+        }
+    }
+
+    /// Type of the samples.
+    #[must_use]
+    pub const fn sample_type(&self) -> SampleType {
+        match self {
+            Self::Coded(coded) => coded.sample_type,
+            Self::Lattice(lattice) => lattice.sample_type,
+        }
+    }
+
+    /// How far a decoded sample may be from its original.
+    #[must_use]
+    pub const fn slack(&self) -> u32 {
+        match self {
+            Self::Coded(_) => 0,
+            Self::Lattice(lattice) => lattice.slack,
+        }
+    }
+
+    /// The codestream of samples.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such extent or plan, or a sample is outside its type.
+    pub fn encode(&self, samples: &[i32]) -> Result<Vec<u8>, String> {
+        let sample_type = self.sample_type();
+        let extent = Extent::new(self.extent()).map_err(|error| error.to_string())?;
+        if samples.iter().any(|sample| !sample_type.range().contains(sample)) {
+            return Err("a sample is outside its type".to_owned());
+        }
+        match self {
+            Self::Coded(coded) => {
+                let plan =
+                    Plan::new(coded.wavelet, extent, coded.levels).map_err(|error| error.to_string())?;
+                Ok(lent::encode(&mut { Codec::NEW }, coded.effort, &plan, sample_type, samples))
+            }
+            Self::Lattice(Nearness { slack, .. }) => {
+                Ok(lent::encode_near(Near { extent, sample_type, slack: *slack }, samples))
+            }
+        }
+    }
 }
 
 /// What decoding gives.
@@ -151,7 +232,7 @@ impl Manifest {
     /// If the vector has no recipe, or a crop does not lie in its data file.
     pub fn samples(&self, vector: &Vector) -> Result<Vec<i32>, String> {
         let (input, recipe) = vector.recipe()?;
-        let extent = Extent::new(recipe.extent).map_err(|error| format!("{}: {error}", vector.id))?;
+        let extent = Extent::new(recipe.extent()).map_err(|error| format!("{}: {error}", vector.id))?;
         match input {
             Input::File { data, corner } => self.crop(data, *corner, extent),
             generator => generator.generate(extent).ok_or_else(|| format!("{}: no generator", vector.id)),
@@ -197,7 +278,7 @@ impl Manifest {
             return parse_hex(hex).ok_or_else(|| format!("{}: hex is not pairs of digits", vector.id));
         }
         let (_, recipe) = vector.recipe()?;
-        encode(recipe, self.samples(vector)?).map_err(|error| format!("{}: {error}", vector.id))
+        recipe.encode(&self.samples(vector)?).map_err(|error| format!("{}: {error}", vector.id))
     }
 }
 
@@ -222,20 +303,6 @@ impl Vector {
     }
 }
 
-/// Encodes samples as a recipe says.
-fn encode(recipe: Recipe, mut samples: Vec<i32>) -> Result<Vec<u8>, String> {
-    let extent = Extent::new(recipe.extent).map_err(|error| error.to_string())?;
-    let plan = Plan::new(recipe.wavelet, extent, recipe.levels).map_err(|error| error.to_string())?;
-    let bound = max_encoded_len(extent, recipe.sample_type).ok_or("too large to encode")?;
-    let (mut scratch, mut out) = (vec![0; plan.scratch_len()], vec![0; bound]);
-    let mut codec = Box::new(Codec::NEW);
-    let len = codec
-        .encode(&plan, recipe.sample_type, &mut samples, &mut scratch, &mut out)
-        .map_err(|error| error.to_string())?;
-    out.truncate(len);
-    Ok(out)
-}
-
 /// What a decoder makes of some bytes, as a manifest would put it.
 #[must_use]
 pub fn outcome(bytes: &[u8]) -> Expect {
@@ -245,20 +312,19 @@ pub fn outcome(bytes: &[u8]) -> Expect {
     }
 }
 
-/// Decodes at full resolution into memory taken for it. No memory is taken for a claim of more samples than
-/// any vector has; the decoder then finds the lent slices too short.
+/// Decodes at full resolution into memory taken for it. A claim of more samples than any vector has is refused
+/// before, as memory that is too short.
 ///
 /// # Errors
 ///
-/// Those of [`Codec::decode`].
+/// Those of [`lent::decode_any`].
 pub fn decode(bytes: &[u8]) -> Result<Vec<i32>, DecodeError> {
     let header = Header::parse(bytes)?;
-    let samples = Some(header.samples_len(0)).filter(|samples| *samples <= MAX_SAMPLES);
-    let scratch = samples.map(|_| header.plan().scratch_len());
-    let (mut samples, mut scratch) = (vec![0; samples.unwrap_or(0)], vec![0; scratch.unwrap_or(0)]);
-    let mut codec = Box::new(Codec::NEW);
-    codec.decode(bytes, &mut samples, &mut scratch)?;
-    Ok(samples)
+    let expected = header.samples_len(0);
+    if expected > MAX_SAMPLES {
+        return Err(DecodeError::Length(LengthError { slice: Slice::Samples, expected, actual: 0 }));
+    }
+    lent::decode_any(bytes, 0, &header)
 }
 
 /// CRC-32 (of zlib and PNG) of samples as little-endian `i32`, as eight hexadecimal digits.
@@ -291,16 +357,16 @@ mod tests {
     use super::*;
 
     const ENTRY: &str = r#"
-        codestream = 1
+        codestream = 2
         data = []
 
         [[vector]]
         id = "a"
-        file = "v1/a.wlc"
+        file = "v2/a.wlc"
         origin = "encoder 0.1.0"
         input = { generator = "ramp", start = 0, step = [1, 2, 3] }
-        plan = { wavelet = "haar", extent = [2, 2, 1], levels = 1, type = "u8" }
-        since = 1
+        plan = { effort = "fast", wavelet = "haar", extent = [2, 2, 1], levels = 1, type = "u8" }
+        since = 2
         shows = "an example"
         expect = { crc32 = "00000000" }
     "#;
@@ -310,14 +376,17 @@ mod tests {
         let manifest: Manifest = toml::from_str(ENTRY).unwrap();
         let vector = manifest.vector("a").unwrap();
         assert_eq!(manifest.samples(vector), Ok(vec![0, 1, 2, 3]));
-        assert_eq!(vector.recipe().unwrap().1.wavelet, Wavelet::Haar);
+        let Recipe::Coded(coded) = vector.recipe().unwrap().1 else { panic!("not a lattice") };
+        assert_eq!((coded.effort, coded.wavelet), (Effort::Fast, Wavelet::Haar));
         assert_eq!(vector.expect, Expect::Crc32("00000000".to_owned()));
         assert!(manifest.vector("b").is_err());
     }
 
     #[test]
     fn a_misspelt_entry_is_refused() {
-        for (from, to) in [("haar", "hear"), ("\"u8\"", "\"u9\""), ("shows", "show"), ("start", "begin")] {
+        for (from, to) in
+            [("haar", "hear"), ("\"u8\"", "\"u9\""), ("fast", "fats"), ("shows", "show"), ("start", "begin")]
+        {
             assert!(toml::from_str::<Manifest>(&ENTRY.replace(from, to)).is_err(), "{to}");
         }
     }

@@ -1,8 +1,10 @@
 //! Hostile bytes: whatever they are, the decoder returns, and writes only what it was lent.
 
 use conformance::corrupt::Damage;
+use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::{Lent, decode, encode};
+use conformance::oracle::coder::{self, Predictor};
 use conformance::oracle::noise::Noise;
 use wavelift_kernel::{
     Codec, DecodeError, Extent, Header, LengthError, Malformed, Plan, SampleType, Slice, Wavelet,
@@ -17,25 +19,26 @@ fn streams() -> Vec<(Vec<u8>, Header)> {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 100, offset: 128 };
     let noise = Input::Noise { bits: 8, offset: 0, seed: 5 };
     let faint = Input::Noise { bits: 6, offset: 0, seed: 5 };
+    let gentle = Input::Waves { periods: [64, 64, 64], amplitude: 25, offset: 0 };
     let cases = [
-        (Wavelet::Haar, [7, 5, 3], 3, SampleType::U8, &waves),
-        (Wavelet::Quadratic, [17, 9, 1], 5, SampleType::I16, &waves),
-        (Wavelet::Duchaineau, [40, 1, 1], 6, SampleType::U16, &waves),
-        (Wavelet::Linear, [9, 9, 9], 2, SampleType::U8, &waves),
-        (Wavelet::Cubic, [12, 10, 2], 4, SampleType::U32, &waves),
-        (Wavelet::Quintic, [1, 13, 8], 4, SampleType::I32, &waves),
-        (Wavelet::Haar, [8, 4, 4], 0, SampleType::U8, &waves),
-        (Wavelet::Cubic, [6, 5, 4], 2, SampleType::U8, &noise),
-        (Wavelet::Linear, [25, 1, 1], 0, SampleType::U8, &noise),
-        (Wavelet::Linear, [16, 16, 16], 4, SampleType::U8, &Input::Constant { value: 9 }),
-        (Wavelet::Haar, [31, 23, 1], 0, SampleType::U8, &faint),
-        (Wavelet::Haar, [15, 12, 9], 0, SampleType::I16, &faint),
+        (Effort::Fast, Wavelet::Haar, [7, 5, 3], 3, SampleType::U8, &waves),
+        (Effort::Default, Wavelet::Quadratic, [17, 9, 1], 5, SampleType::I16, &waves),
+        (Effort::Fast, Wavelet::Duchaineau, [40, 1, 1], 6, SampleType::U16, &waves),
+        (Effort::Default, Wavelet::Linear, [9, 9, 9], 2, SampleType::U8, &waves),
+        (Effort::Fast, Wavelet::Cubic, [12, 10, 2], 4, SampleType::U32, &waves),
+        (Effort::Default, Wavelet::Quintic, [1, 13, 8], 4, SampleType::I32, &waves),
+        (Effort::Fast, Wavelet::Haar, [15, 12, 9], 0, SampleType::I16, &faint),
+        (Effort::Default, Wavelet::Cubic, [6, 5, 4], 2, SampleType::U8, &noise),
+        (Effort::Fast, Wavelet::Linear, [25, 1, 1], 0, SampleType::U8, &noise),
+        (Effort::Default, Wavelet::Linear, [16, 16, 16], 4, SampleType::U8, &Input::Constant { value: 9 }),
+        (Effort::Default, Wavelet::Haar, [60, 50, 1], 0, SampleType::U8, &waves),
+        (Effort::Default, Wavelet::Haar, [28, 28, 18], 1, SampleType::I32, &gentle),
     ];
-    let encoded = cases.map(|(wavelet, axes, levels, sample_type, input)| {
+    let encoded = cases.map(|(effort, wavelet, axes, levels, sample_type, input)| {
         let extent = Extent::new(axes).expect("a small extent");
         let plan = Plan::new(wavelet, extent, levels).expect("levels that it has");
         let samples = input.generate(extent).expect("a generator");
-        let bytes = encode(&mut { Codec::NEW }, &plan, sample_type, &samples);
+        let bytes = encode(&mut { Codec::NEW }, effort, &plan, sample_type, &samples);
         let header = Header::parse(&bytes).expect("a codestream");
         (bytes, header)
     });
@@ -94,6 +97,15 @@ fn inflict(seed: u64, rounds: usize) -> (usize, usize) {
 }
 
 #[test]
+fn some_have_weights_and_some_have_none() {
+    let trained = streams().into_iter().filter(|(bytes, _)| {
+        let predictors = coder::predictors(bytes).expect("a codestream");
+        predictors.iter().any(|predictor| matches!(predictor, Predictor::Weights(_)))
+    });
+    assert!((1..streams().len()).contains(&trained.count()));
+}
+
+#[test]
 fn damage_anywhere_is_survived() {
     let (cases, noticed) = inflict(1, 600);
     println!("{cases} damaged codestreams, {noticed} noticed");
@@ -133,7 +145,7 @@ fn random_bytes_are_survived() {
         let mut bytes = vec![0; (noise.bits() % 64) as usize];
         bytes.fill_with(|| noise.bits() as u8);
         // The right magic, version and storage, more often than chance would have it.
-        let known = [0x77, 0x4C, 1, 0];
+        let known = [0x77, 0x4C, 2, 0];
         bytes.iter_mut().zip(known).take(round % 5).for_each(|(byte, known)| *byte = known);
         survives(&mut codec, &bytes, &streams[round % streams.len()].1);
     }
@@ -141,7 +153,7 @@ fn random_bytes_are_survived() {
 
 /// The header of a codestream of `axes` samples, with as many empty segments as its levels need.
 fn header_of(axes: [u32; 3], levels: u8) -> Vec<u8> {
-    let mut bytes = vec![0x77, 0x4C, 1, 0, if levels > 0 { 0x15 } else { 0x05 }, levels];
+    let mut bytes = vec![0x77, 0x4C, 2, 0, if levels > 0 { 0x15 } else { 0x05 }, levels];
     for mut axis in axes {
         while axis > 0x7F {
             bytes.push(axis as u8 | 0x80);

@@ -158,9 +158,11 @@ fn run_all(document: &str) -> TempDir {
 #[test]
 fn the_tour_of_the_project_can_be_taken() {
     let folder = run_all("README.md");
-    let wavelet = |name: &str| run(folder.path(), &format!("wavelift info {name} | grep wavelet"));
-    assert!(wavelet("head.wlift").contains(" none "), "levels were to be read of a file without a transform");
-    assert!(!wavelet("ct.wlift").contains(" none "), "a transform was to be chosen");
+    let info = |name: &str, line: &str| run(folder.path(), &format!("wavelift info {name} | grep {line}"));
+    let wavelet = info("head.wlift", "wavelet");
+    assert!(wavelet.contains(" none "), "levels were to be read of a file without a transform: {wavelet}");
+    let effort = info("ct.wlift", "effort");
+    assert!(effort.contains("dense"), "{effort}");
 }
 
 #[test]

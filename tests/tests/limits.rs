@@ -2,29 +2,34 @@
 
 use std::collections::BTreeSet;
 
+use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::{Lent, decode, encode, encode_within};
+use conformance::oracle::coder::{self, Predictor};
 use conformance::oracle::noise::Noise;
 use wavelift_kernel::{
-    Codec, DecodeError, EncodeError, Extent, Header, LengthError, Malformed, Plan, PlanError, SampleType,
-    Slice, Wavelet, max_encoded_len,
+    Codec, DecodeError, Dense, EncodeError, Extent, Header, Lattice, LengthError, Malformed, Plan, PlanError,
+    SampleType, Slice, Training, Wavelet, max_encoded_len,
 };
 
 fn plan(wavelet: Wavelet, axes: [u32; 3], levels: u8) -> Plan {
     Plan::new(wavelet, Extent::new(axes).expect("an extent"), levels).expect("levels that it has")
 }
 
-/// Codestreams of several predictors and stored ones, with every form of segment, the empty one too.
-fn streams() -> Vec<(Plan, SampleType, Vec<i32>)> {
+/// What gives codestreams of several predictors, trained ones too, and stored ones, with every form of segment.
+fn streams() -> Vec<(Effort, Plan, SampleType, Vec<i32>)> {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 100, offset: 128 };
     let noise = Input::Noise { bits: 8, offset: 0, seed: 5 };
     let faint = Input::Noise { bits: 6, offset: 0, seed: 5 };
+    let wide = Input::Waves { periods: [40, 50, 60], amplitude: 20, offset: 30 };
     let sparse = Input::Sparse { one_in: 200, bits: 8, seed: 1 };
     let cases = [
         (plan(Wavelet::Linear, [13, 9, 11], 4), SampleType::U8, waves.clone()),
         (plan(Wavelet::Cubic, [40, 21, 1], 6), SampleType::U16, waves.clone()),
         (plan(Wavelet::Haar, [300, 1, 1], 0), SampleType::I16, waves.clone()),
         (plan(Wavelet::Haar, [10, 9, 8], 0), SampleType::I16, waves),
+        (plan(Wavelet::Haar, [3000, 1, 1], 0), SampleType::I32, wide.clone()),
+        (plan(Wavelet::Haar, [96, 96, 1], 1), SampleType::U8, wide),
         (plan(Wavelet::Quintic, [9, 8, 7], 2), SampleType::U8, noise.clone()),
         (plan(Wavelet::Haar, [31, 23, 1], 0), SampleType::U8, faint.clone()),
         (plan(Wavelet::Haar, [16, 12, 9], 0), SampleType::I16, faint),
@@ -35,33 +40,36 @@ fn streams() -> Vec<(Plan, SampleType, Vec<i32>)> {
         (plan(Wavelet::Linear, [64, 64, 16], 6), SampleType::I16, Input::Constant { value: 1000 }),
         (plan(Wavelet::Haar, [1, 1, 1], 0), SampleType::I32, Input::Constant { value: i32::MIN.into() }),
     ];
-    let generated = cases.into_iter().map(|(plan, sample_type, input)| {
+    let generated = cases.into_iter().flat_map(|(plan, sample_type, input)| {
         let samples = input.generate(plan.extent()).expect("a generator");
-        (plan, sample_type, samples)
+        Effort::ALL.map(|effort| (effort, plan, sample_type, samples.clone()))
     });
     generated.collect()
 }
 
 #[test]
 fn an_output_is_full_or_holds_the_same_bytes() {
-    let (mut codec, mut storages) = (Codec::NEW, BTreeSet::new());
-    for (plan, sample_type, samples) in streams() {
-        let bytes = encode(&mut codec, &plan, sample_type, &samples);
+    let (mut codec, mut storages, mut trained) = (Codec::NEW, BTreeSet::new(), false);
+    for (effort, plan, sample_type, samples) in streams() {
+        let bytes = encode(&mut codec, effort, &plan, sample_type, &samples);
         storages.insert(bytes[3]);
+        let predictors = coder::predictors(&bytes).expect("a codestream");
+        trained |= predictors.iter().any(|predictor| matches!(predictor, Predictor::Weights(_)));
         for room in 0..bytes.len() {
-            let (encoded, left) = encode_within(&mut codec, &plan, sample_type, &samples, room);
+            let (encoded, left) = encode_within(&mut codec, effort, &plan, sample_type, &samples, room);
             assert_eq!(encoded, Err(EncodeError::OutputFull), "{room} of {} bytes: {plan:?}", bytes.len());
             assert!(left == samples, "the samples stay: {plan:?}");
         }
         let bound = max_encoded_len(plan.extent(), sample_type).expect("a small brick");
         for room in (bytes.len()..bytes.len() + 20).chain(bound.saturating_sub(30)..bound + 30) {
             if room >= bytes.len() {
-                let (encoded, _) = encode_within(&mut codec, &plan, sample_type, &samples, room);
+                let (encoded, _) = encode_within(&mut codec, effort, &plan, sample_type, &samples, room);
                 assert_eq!(encoded.as_ref(), Ok(&bytes), "{room} for {} bytes: {plan:?}", bytes.len());
             }
         }
     }
-    assert_eq!(storages, BTreeSet::from([0, 3, 5, 0x80]), "in plane, change, trained and stored");
+    assert_eq!(storages, BTreeSet::from([0, 0x80]), "coded and stored");
+    assert!(trained, "no weights");
 }
 
 /// Carries may turn the last bytes of a segment to zeros, which are taken away: their room is not needed.
@@ -69,10 +77,11 @@ fn an_output_is_full_or_holds_the_same_bytes() {
 fn an_output_of_just_the_length_suffices() {
     let (mut codec, plan) = (Codec::NEW, plan(Wavelet::Haar, [24, 1, 1], 1));
     for seed in 0..300_000 {
+        let effort = Effort::ALL[usize::from(seed % 16 == 0)];
         let input = Input::Noise { bits: 3, offset: 0, seed };
         let samples = input.generate(plan.extent()).expect("a generator");
-        let bytes = encode(&mut codec, &plan, SampleType::I16, &samples);
-        let (encoded, _) = encode_within(&mut codec, &plan, SampleType::I16, &samples, bytes.len());
+        let bytes = encode(&mut codec, effort, &plan, SampleType::I16, &samples);
+        let (encoded, _) = encode_within(&mut codec, effort, &plan, SampleType::I16, &samples, bytes.len());
         assert_eq!(encoded.as_ref(), Ok(&bytes), "seed {seed}");
     }
 }
@@ -98,11 +107,15 @@ fn check_refused(plan: &Plan, bytes: &[u8], (samples, scratch): (usize, usize), 
     let mut lent = lend();
     assert_eq!(plan.inverse(lent.0.lend(), lent.1.lend()), Err(error));
     untouched(lent);
-    let (mut lent, mut out) = (lend(), Lent::new(1 << 14, 0xA5));
-    let encoded = codec.encode(plan, SampleType::I32, lent.0.lend(), lent.1.lend(), out.lend());
-    assert_eq!(encoded, Err(EncodeError::Length(error)));
-    untouched(lent);
-    assert!(out.take_back().iter().all(|byte| *byte == 0xA5), "{error:?}: written to");
+    for effort in Effort::ALL {
+        let (mut lent, mut out) = (lend(), Lent::new(1 << 14, 0xA5));
+        let encoded = effort.lend(|effort| {
+            codec.encode(effort, plan, SampleType::I32, lent.0.lend(), lent.1.lend(), out.lend())
+        });
+        assert_eq!(encoded, Err(EncodeError::Length(error)));
+        untouched(lent);
+        assert!(out.take_back().iter().all(|byte| *byte == 0xA5), "{error:?}: written to");
+    }
     let mut lent = lend();
     let decoded = codec.decode(bytes, lent.0.lend(), lent.1.lend());
     assert_eq!(decoded, Err(DecodeError::Length(error)));
@@ -112,10 +125,10 @@ fn check_refused(plan: &Plan, bytes: &[u8], (samples, scratch): (usize, usize), 
 #[test]
 fn memory_of_other_lengths_is_refused() {
     let mut codec = Codec::NEW;
-    for (plan, sample_type, samples) in
-        streams().into_iter().filter(|(plan, ..)| plan.extent().samples() < 6000)
+    for (effort, plan, sample_type, samples) in
+        streams().into_iter().filter(|(_, plan, ..)| plan.extent().samples() < 6000)
     {
-        let bytes = encode(&mut codec, &plan, sample_type, &samples);
+        let bytes = encode(&mut codec, effort, &plan, sample_type, &samples);
         let right = (plan.extent().samples(), plan.scratch_len());
         for actual in wrong_lengths(right.0, false) {
             let error = LengthError { slice: Slice::Samples, expected: right.0, actual };
@@ -131,12 +144,14 @@ fn memory_of_other_lengths_is_refused() {
 #[test]
 fn scratch_may_be_longer_and_hold_anything() {
     let mut noise = Noise::new(9);
-    for (plan, sample_type, samples) in streams() {
-        let bytes = encode(&mut { Codec::NEW }, &plan, sample_type, &samples);
+    for (effort, plan, sample_type, samples) in streams() {
+        let bytes = encode(&mut { Codec::NEW }, effort, &plan, sample_type, &samples);
         for longer in [0, 1, 1000] {
             let mut scratch = noise.full_range(plan.scratch_len() + longer);
             let (mut used, mut out) = (samples.clone(), vec![0; bytes.len() + 40]);
-            let len = { Codec::NEW }.encode(&plan, sample_type, &mut used, &mut scratch, &mut out);
+            let len = effort.lend(|effort| {
+                { Codec::NEW }.encode(effort, &plan, sample_type, &mut used, &mut scratch, &mut out)
+            });
             assert_eq!(len.map(|len| &out[..len]), Ok(&bytes[..]));
             let (mut decoded, mut scratch) =
                 (noise.full_range(samples.len()), noise.full_range(scratch.len()));
@@ -150,8 +165,8 @@ fn scratch_may_be_longer_and_hold_anything() {
 #[test]
 fn a_level_takes_samples_of_its_own_number() {
     let mut codec = Codec::NEW;
-    for (plan, sample_type, samples) in streams() {
-        let bytes = encode(&mut codec, &plan, sample_type, &samples);
+    for (effort, plan, sample_type, samples) in streams() {
+        let bytes = encode(&mut codec, effort, &plan, sample_type, &samples);
         let header = Header::parse(&bytes).expect("a codestream");
         for level in 0..=plan.levels() {
             let expected = header.samples_len(level);
@@ -178,9 +193,12 @@ fn a_sample_outside_its_type_is_refused_where_it_stands() {
                 let mut samples = vec![*range.end(); 105];
                 samples[index] = outside;
                 samples[104] = outside;
-                let (encoded, left) = encode_within(&mut { Codec::NEW }, &plan, sample_type, &samples, 1000);
-                assert_eq!(encoded, Err(EncodeError::SampleOutOfRange { index }));
-                assert!(left == samples, "the samples stay");
+                for effort in Effort::ALL {
+                    let (encoded, left) =
+                        encode_within(&mut { Codec::NEW }, effort, &plan, sample_type, &samples, 1000);
+                    assert_eq!(encoded, Err(EncodeError::SampleOutOfRange { index }));
+                    assert!(left == samples, "the samples stay");
+                }
             }
         }
     }
@@ -197,8 +215,10 @@ fn noise_takes_the_most_that_anything_takes() {
     {
         let plan = plan(Wavelet::Linear, axes, levels);
         let samples: Vec<i32> = (0..plan.extent().samples()).map(|_| (noise.bits() >> 32) as i32).collect();
-        for sample_type in [SampleType::I32, SampleType::U32] {
-            let bytes = encode(&mut { Codec::NEW }, &plan, sample_type, &samples);
+        for (effort, sample_type) in
+            Effort::ALL.into_iter().flat_map(|effort| [(effort, SampleType::I32), (effort, SampleType::U32)])
+        {
+            let bytes = encode(&mut { Codec::NEW }, effort, &plan, sample_type, &samples);
             let bound = max_encoded_len(plan.extent(), sample_type).expect("a small brick");
             assert!(
                 bytes.len() <= bound && bytes.len() + HEADER_SLACK >= bound,
@@ -227,18 +247,23 @@ fn scratch_is_as_documented() {
     // Sixteen lines of the length of an axis and four samples of margin, where the coder takes less.
     assert_eq!([scratch([16, 16, 16], 4), scratch([32, 32, 32], 5)], [16 * 20, 16 * 36]);
     assert_eq!(scratch([512, 512, 1], 9), 16 * 516);
-    // A plane of the largest subband with its margins, and a row of hints.
-    assert_eq!(scratch([64, 64, 64], 6), (32 + 4) * (32 + 3) + 32);
-    assert_eq!(scratch([64, 64, 64], 0), (64 + 4) * (64 + 3) + 64);
-    assert_eq!(scratch([512, 512, 1], 0), (512 + 4) * 4 + 512);
-    // A line: two rows of its half, and a row of hints.
-    assert_eq!(scratch([1000, 1, 1], 10), (500 + 4) * 2 + 500);
+    // A plane of the largest subband with its margins, and five rows with theirs.
+    assert_eq!(scratch([64, 64, 64], 6), (32 + 4) * (32 + 2) + 5 * (32 + 2));
+    assert_eq!(scratch([64, 64, 64], 0), (64 + 4) * (64 + 2) + 5 * (64 + 2));
+    // A slice or a line: three rows in place of the plane.
+    assert_eq!(scratch([512, 512, 1], 0), (512 + 4) * 3 + 5 * (512 + 2));
+    assert_eq!(scratch([1000, 1, 1], 0), (1000 + 4) * 3 + 5 * (1000 + 2));
+    assert_eq!(scratch([1000, 1, 1], 10), (500 + 4) * 3 + 5 * (500 + 2));
 }
 
 #[test]
 fn sizes_of_public_types() {
-    assert_eq!(size_of::<Codec>(), 7600);
-    assert_eq!(size_of::<Header>(), 216);
+    // 83 distributions of 16 numbers and a count, of two bytes each.
+    assert_eq!(size_of::<Codec>(), 83 * 17 * 2);
+    assert_eq!(size_of::<Training>(), 10_728);
+    assert_eq!(size_of::<Dense>(), 75_456);
+    assert_eq!(size_of::<Lattice>(), 22_928);
+    assert_eq!(size_of::<Header>(), 168);
     assert_eq!(size_of::<Plan>(), 16);
     assert_eq!(size_of::<Extent>(), 12);
     assert_eq!([size_of::<Wavelet>(), size_of::<SampleType>(), size_of::<Malformed>()], [1; 3]);

@@ -1,11 +1,13 @@
 //! What a codec did before never shows: not in the bytes, not in the samples, and after a reset not in its state.
 
+use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::{decode, encode, encode_within};
 use wavelift_kernel::{Codec, DecodeError, EncodeError, Extent, Header, Plan, SampleType, Wavelet};
 
 /// A codestream, and what it is of.
 struct Sample {
+    effort: Effort,
     plan: Plan,
     samples: Vec<i32>,
     bytes: Vec<u8>,
@@ -15,29 +17,55 @@ struct Sample {
 const TYPE: SampleType = SampleType::I16;
 
 /// What a codec that did nothing before makes of an input.
-fn sample(wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &Input) -> Sample {
+fn sample(effort: Effort, wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &Input) -> Sample {
     let extent = Extent::new(axes).expect("a small extent");
     let plan = Plan::new(wavelet, extent, levels).expect("levels that it has");
     let samples = input.generate(extent).expect("a generator");
-    let bytes = encode(&mut { Codec::NEW }, &plan, TYPE, &samples);
+    let bytes = encode(&mut { Codec::NEW }, effort, &plan, TYPE, &samples);
     let header = Header::parse(&bytes).expect("a codestream");
-    Sample { plan, samples, bytes, header }
+    Sample { effort, plan, samples, bytes, header }
 }
 
-fn samples() -> [Sample; 5] {
+fn samples() -> [Sample; 6] {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 9000, offset: -1000 };
+    let faint = Input::Waves { periods: [40, 1, 1], amplitude: 20, offset: 0 };
     [
-        sample(Wavelet::Quintic, [11, 9, 5], 2, &waves),
-        sample(Wavelet::Linear, [23, 8, 1], 5, &Input::Sparse { one_in: 9, bits: 12, seed: 1 }),
-        sample(Wavelet::Haar, [150, 1, 1], 0, &Input::Steps { width: 20, height: 300, offset: 7 }),
-        sample(Wavelet::Cubic, [9, 9, 3], 3, &Input::Noise { bits: 16, offset: -32_768, seed: 2 }),
-        sample(Wavelet::Quadratic, [15, 12, 9], 0, &Input::Noise { bits: 6, offset: 0, seed: 5 }),
+        sample(Effort::Fast, Wavelet::Quintic, [11, 9, 5], 2, &waves),
+        sample(
+            Effort::Default,
+            Wavelet::Linear,
+            [23, 8, 1],
+            5,
+            &Input::Sparse { one_in: 9, bits: 12, seed: 1 },
+        ),
+        sample(
+            Effort::Fast,
+            Wavelet::Haar,
+            [150, 1, 1],
+            0,
+            &Input::Steps { width: 20, height: 300, offset: 7 },
+        ),
+        sample(Effort::Default, Wavelet::Haar, [2300, 1, 1], 0, &faint),
+        sample(
+            Effort::Default,
+            Wavelet::Cubic,
+            [9, 9, 3],
+            3,
+            &Input::Noise { bits: 16, offset: -32_768, seed: 2 },
+        ),
+        sample(
+            Effort::Fast,
+            Wavelet::Quadratic,
+            [15, 12, 9],
+            0,
+            &Input::Noise { bits: 6, offset: 0, seed: 5 },
+        ),
     ]
 }
 
 /// The codec works like a new one, and becomes one by a reset.
 fn check_like_new(codec: &mut Codec, next: &Sample) {
-    assert_eq!(encode(codec, &next.plan, TYPE, &next.samples), next.bytes);
+    assert_eq!(encode(codec, next.effort, &next.plan, TYPE, &next.samples), next.bytes);
     assert_eq!(decode(codec, &next.bytes, 0, &next.header).as_ref(), Ok(&next.samples));
     codec.reset();
     assert!(*codec == Codec::NEW, "a reset makes it new");
@@ -49,7 +77,7 @@ fn a_codec_works_the_same_after_anything_that_succeeds() {
     for first in &samples {
         for next in &samples {
             let mut codec = Codec::NEW;
-            assert_eq!(encode(&mut codec, &first.plan, TYPE, &first.samples), first.bytes);
+            assert_eq!(encode(&mut codec, first.effort, &first.plan, TYPE, &first.samples), first.bytes);
             check_like_new(&mut codec, next);
             assert_eq!(decode(&mut codec, &first.bytes, 0, &first.header).as_ref(), Ok(&first.samples));
             check_like_new(&mut codec, next);
@@ -61,7 +89,7 @@ fn a_codec_works_the_same_after_anything_that_succeeds() {
 fn a_reset_shows_that_the_state_was_used() {
     let [brick, ..] = samples();
     let mut codec = Codec::NEW;
-    encode(&mut codec, &brick.plan, TYPE, &brick.samples);
+    encode(&mut codec, brick.effort, &brick.plan, TYPE, &brick.samples);
     assert!(codec != Codec::NEW, "the models have learnt");
     codec.reset();
     assert!(codec == Codec::NEW);
@@ -73,7 +101,8 @@ fn a_codec_works_the_same_after_an_output_was_full() {
     for first in &samples {
         for room in 0..first.bytes.len() {
             let mut codec = Codec::NEW;
-            let (encoded, _) = encode_within(&mut codec, &first.plan, TYPE, &first.samples, room);
+            let (encoded, _) =
+                encode_within(&mut codec, first.effort, &first.plan, TYPE, &first.samples, room);
             assert_eq!(encoded, Err(EncodeError::OutputFull));
             check_like_new(&mut codec, &samples[room % samples.len()]);
         }

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use wavelift_host::codec::Choice;
+use wavelift_host::codec::{Choice, Effort};
 use wavelift_host::volume::{ExtentError, RankedExtent};
 use wavelift_kernel::Wavelet;
 
@@ -58,6 +58,12 @@ pub(crate) fn parse_threads(text: &str) -> Result<NonZeroUsize, ThreadsError> {
 pub(crate) fn wavelet_choices() -> impl TypedValueParser<Value = Choice> {
     let choices = [Choice::Auto].into_iter().chain(Wavelet::ALL.map(Choice::Wavelet)).chain([Choice::None]);
     PossibleValuesParser::new(choices.map(Choice::name)).map(|name| name.parse().expect("a name of the list"))
+}
+
+/// Takes the name of an effort.
+pub(crate) fn effort_names() -> impl TypedValueParser<Value = Effort> {
+    PossibleValuesParser::new(Effort::ALL.map(Effort::name))
+        .map(|name| name.parse().expect("a name of the list"))
 }
 
 /// Reads `64` (as long along each axis) or `64x64x32`.

@@ -3,25 +3,28 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use serde_json::json;
-use wavelift_host::codec::{self, Choice, CompressError, CompressOptions};
+use serde_json::{Value, json};
+use wavelift_host::codec::{self, Choice, CompressError, CompressOptions, Effort, Report};
+use wavelift_host::volume::Volume;
+use wavelift_kernel::Wavelet;
 
-use super::choice::{Levels, parse_brick, parse_threads, wavelet_choices};
+use super::bound::{self, BoundArgs};
+use super::choice::{Levels, effort_names, parse_brick, parse_threads, wavelet_choices};
 use super::exit::Failure;
 use super::input::{RawArgs, read_volume, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
 use super::progress;
 
-/// Compress a volume without loss
+/// Compress a volume without loss, or within an error bound
 ///
 /// INPUT is NRRD, NumPy or raw samples of any integer or floating-point type; OUTPUT holds the same samples, bit for
-/// bit, and all that the header said. It appears whole or not at all.
+/// bit unless an error bound is given, and all that the header said. It appears whole or not at all.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   wavelift compress head.nrrd head.wlift
   wavelift compress engine.raw engine.wlift --extent 256x256x128 --type u8
-  wavelift compress density.npy density.wlift --wavelet linear --brick 128")]
+  wavelift compress density.npy density.wlift --relative-error 1e-4 --brick 128")]
 pub(crate) struct Args {
     /// Volume to compress: .nrrd, .nhdr, .npy, or raw samples with --extent and --type
     pub(crate) input: PathBuf,
@@ -35,8 +38,14 @@ pub(crate) struct Args {
     /// allows, or a number
     #[arg(long, value_name = "N", default_value = "auto")]
     pub(crate) levels: Levels,
+    /// How hard to try: fast, default, or dense, which is smallest. Any wavelift reads any of them
+    #[arg(long, value_name = "E", default_value = "default", value_parser = effort_names())]
+    pub(crate) effort: Effort,
+    #[command(flatten)]
+    pub(crate) bound: BoundArgs,
     /// Samples of the bricks that are coded, and can be read, one by one: N along each axis, or XxYxZ
-    /// [default: 64x64x64; a slice 512x512; a line 262144]
+    /// [default: about 2^18 samples, 64x64x64 where no axis is shorter; 2^21 with --effort dense, and within an error
+    /// bound unless --effort is fast]
     #[arg(long, value_name = "N|XxYxZ", value_parser = parse_brick)]
     pub(crate) brick: Option<[u32; 3]>,
     /// Threads to work on; the file is the same for any number [default: one per core]
@@ -62,6 +71,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let options = CompressOptions {
         wavelet: args.wavelet,
         levels: args.levels.count(),
+        effort: args.effort,
+        tolerance: args.bound.tolerance(),
         brick: args.brick,
         threads: args.threads,
     };
@@ -74,34 +85,45 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         })
     })?;
     drop(bar);
-    let bits = 8.0 * report.container_bytes as f64 / samples as f64;
-    let [x, y, z] = volume.extent;
     if args.json {
-        return print_json(&json!({
-            "input": args.input.display().to_string(),
-            "output": args.output.display().to_string(),
-            "extent": volume.extent,
-            "type": volume.element.name(),
-            "sample_bytes": report.sample_bytes,
-            "bytes": report.container_bytes,
-            "bits_per_sample": bits,
-            "bricks": report.bricks,
-            "wavelet": report.wavelet,
-            "levels": report.levels,
-            "readable_levels": report.readable_levels,
-            "packed_values": report.packed_values,
-        }));
+        return print_json(&document(args, &volume, &report));
     }
+    let [x, y, z] = volume.extent;
     tell(format_args!(
-        "{}: {x}x{y}x{z} {}, {} bytes -> {}: {} bytes, {bits:.3} bits a sample, {:.2}:1, wavelet {}, {} levels",
+        "{}: {x}x{y}x{z} {}, {} bytes -> {}: {} bytes, {:.3} bits a sample, {:.2}:1, wavelet {}, {} levels",
         args.input.display(),
         volume.element,
         report.sample_bytes,
         args.output.display(),
         report.container_bytes,
+        8.0 * report.container_bytes as f64 / samples as f64,
         report.sample_bytes as f64 / report.container_bytes as f64,
-        report.wavelet,
-        report.levels,
+        report.index.wavelet.map_or("none", Wavelet::name),
+        report.index.levels,
     ));
+    bound::lines(&report.index).iter().for_each(|line| tell(format_args!("{line}")));
     Ok(())
+}
+
+fn document(args: &Args, volume: &Volume, report: &Report) -> Value {
+    let index = &report.index;
+    let samples: u64 = volume.extent.into_iter().product();
+    let mut document = json!({
+        "input": args.input.display().to_string(),
+        "output": args.output.display().to_string(),
+        "extent": volume.extent,
+        "type": volume.element.name(),
+        "sample_bytes": report.sample_bytes,
+        "bytes": report.container_bytes,
+        "bits_per_sample": 8.0 * report.container_bytes as f64 / samples as f64,
+        "bricks": index.bricks.len(),
+        "effort": index.effort.name(),
+        "wavelet": index.wavelet.map_or("none", Wavelet::name),
+        "levels": index.levels,
+        "readable_levels": index.readable_levels,
+    });
+    if let Value::Object(fields) = &mut document {
+        fields.extend(bound::fields(index));
+    }
+    document
 }

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wavelift_host::codec::{Container, Values};
+use wavelift_host::codec::Container;
 use wavelift_host::volume::{HeaderLine, sample_bytes};
 use wavelift_kernel::Wavelet;
 
+use super::bound;
 use super::exit::Failure;
 use super::output::{print, print_json};
 
@@ -39,7 +40,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 fn document(input: &Path, container: &Container) -> Value {
     let index = container.index();
     let metadata = &index.metadata;
-    json!({
+    let mut document = json!({
         "input": input.display().to_string(),
         "extent": index.grid.extent,
         "type": index.element.name(),
@@ -48,10 +49,10 @@ fn document(input: &Path, container: &Container) -> Value {
         "bits_per_sample": bits(container),
         "brick": index.grid.sides,
         "bricks": index.bricks.len(),
+        "effort": index.effort.name(),
         "wavelet": index.wavelet.map_or("none", Wavelet::name),
         "levels": index.levels,
         "readable_levels": index.readable_levels,
-        "packed_values": index.values.as_ref().map(Values::count),
         "source": {
             "format": metadata.source.format.name(),
             "byte_order": metadata.source.byte_order.name(),
@@ -62,7 +63,11 @@ fn document(input: &Path, container: &Container) -> Value {
         "spacing": metadata.spacing(),
         "origin": metadata.origin(),
         "header": metadata.lines.iter().map(entry).collect::<Vec<_>>(),
-    })
+    });
+    if let Value::Object(fields) = &mut document {
+        fields.extend(bound::fields(index));
+    }
+    document
 }
 
 fn entry(line: &HeaderLine) -> Value {
@@ -81,6 +86,7 @@ fn text(container: &Container) -> String {
     let mut lines = vec![
         format!("extent    {x} x {y} x {z}, x fastest"),
         format!("type      {}", index.element),
+        format!("effort    {}", index.effort),
         match index.wavelet {
             Some(wavelet) => format!("wavelet   {}, {} levels", wavelet.name(), index.levels),
             None => "wavelet   none (no transform)".to_owned(),
@@ -93,7 +99,7 @@ fn text(container: &Container) -> String {
         format!("size      {} bytes, {:.3} bits a sample", container.bytes(), bits(container)),
         format!("source    {}, {} endian{fortran}", source.format.name(), source.byte_order.name()),
     ];
-    lines.extend(index.values.as_ref().map(|values| format!("packed    {} values", values.count())));
+    lines.extend(bound::lines(index));
     lines.extend(index.metadata.lines.iter().map(|line| match line {
         HeaderLine::Comment(text) => format!("          #{text}"),
         HeaderLine::Field { name, value } => format!("          {name}: {value}"),

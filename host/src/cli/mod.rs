@@ -1,5 +1,6 @@
 //! The command line: words to options of the library, and what went wrong to an exit code.
 
+mod bound;
 mod choice;
 mod compress;
 mod decompress;
@@ -16,7 +17,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Lossless compression of scientific volumes with integer wavelets.
+/// Compression of scientific volumes with integer wavelets: without loss, or within an error bound.
 ///
 /// A volume is a line, a slice or a brick of numbers: raw samples, NRRD (.nrrd, .nhdr) or NumPy (.npy). Extents are
 /// written x, y, z, and x varies fastest in the file.

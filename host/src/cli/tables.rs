@@ -13,8 +13,8 @@ use super::{output, progress};
 ///
 /// For each wavelet, and for none: how long the transform takes, how long the code of its coefficients' histogram is
 /// (the columns of Tables 3.5 and 3.6 in Bertram's dissertation), and how long the real codestream. Every codestream
-/// is decoded again and compared before it is counted. Volumes larger than 64x64x64 samples (512x512 for a slice) are
-/// cut into bricks of that size.
+/// is decoded again and compared before it is counted. Volumes are cut into bricks of
+/// about 2^18 samples, as `wavelift compress` does.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

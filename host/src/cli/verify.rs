@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
+use wavelift_host::bound::Deviation;
 use wavelift_host::codec::{Container, ContainerError, Part};
 use wavelift_host::volume::{self, Fault, RankedExtent, RawLayout, ReadError, Volume};
 
@@ -17,8 +18,9 @@ use super::progress;
 
 /// Check a compressed file, and compare it with the original
 ///
-/// Every brick is decoded and compared with its checksums; with ORIGINAL, every sample with that file's as well. The
-/// exit code is 0 only if all agree, 3 if anything differs.
+/// Every brick is decoded and compared with its checksums; with ORIGINAL, every sample with that file's as well: bit for
+/// bit, or within the error bound that the file was compressed with, in exact arithmetic. The exit code is 0 only if all
+/// agree, 3 if anything differs.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("byte_order", |arg| arg.help(BYTE_ORDER)))]
 #[command(after_help = "\
@@ -72,8 +74,10 @@ struct Findings {
     bricks: Option<usize>,
     /// What is wrong with the file: all bricks that are damaged, or what keeps it from being opened.
     damaged: Vec<String>,
-    /// Where it differs from the original.
+    /// Where it differs from the original by more than it may.
     difference: Option<String>,
+    /// The bound that it may differ by, and the largest difference found.
+    errors: Option<(f64, f64)>,
 }
 
 impl Findings {
@@ -87,6 +91,8 @@ impl Findings {
                 "whole": self.damaged.is_empty(),
                 "damaged": self.damaged,
                 "difference": self.difference,
+                "max_error": self.errors.map(|(bound, _)| bound),
+                "largest_error": self.errors.map(|(_, largest)| largest),
             }))?;
         }
         if let (Some(path), Some(difference)) = (&args.original, self.difference) {
@@ -95,8 +101,13 @@ impl Findings {
         match (self.bricks, &self.damaged[..]) {
             (_, []) if args.json => Ok(()),
             (Some(bricks), []) => {
-                let equal =
-                    original.map_or_else(String::new, |path| format!(", every sample equal to {path}"));
+                let equal = match (original, self.errors) {
+                    (None, _) => String::new(),
+                    (Some(path), None) => format!(", every sample equal to {path}"),
+                    (Some(path), Some((bound, largest))) => {
+                        format!(", every sample within {bound:e} of {path}, the largest error is {largest:e}")
+                    }
+                };
                 print(&format!("{}: {bricks} bricks, every checksum right{equal}\n", args.input.display()))
             }
             (Some(bricks), damaged) => {
@@ -114,18 +125,23 @@ impl Findings {
 fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
     let bricks = Some(container.index().bricks.len());
     let Some(path) = &args.original else {
-        return Ok(Findings { bricks, damaged: damaged(args, container)?, difference: None });
+        return Ok(Findings { bricks, damaged: damaged(args, container)?, ..Findings::default() });
     };
     let original = read_original(args, path, container)?;
     let bar = progress::bar("comparing", container.samples_read(&Part::default()));
     match container.read(&Part::default(), args.threads, &|samples| bar.inc(samples)) {
         Ok(decoded) => {
-            Ok(Findings { bricks, damaged: Vec::new(), difference: compare(&decoded, &original).err() })
+            let bound = container.index().bound.map(|bound| bound.error);
+            let (difference, largest) = match compare(&decoded, &original, bound) {
+                Ok(largest) => (None, largest),
+                Err(difference) => (Some(difference), None),
+            };
+            Ok(Findings { bricks, damaged: Vec::new(), difference, errors: bound.zip(largest) })
         }
         // Reading checks everything, but stops at the first damaged brick.
         Err(ContainerError::Brick { .. }) => {
             drop(bar);
-            Ok(Findings { bricks, damaged: damaged(args, container)?, difference: None })
+            Ok(Findings { bricks, damaged: damaged(args, container)?, ..Findings::default() })
         }
         Err(error) => Err(Failure::of_container(&args.input, &error)),
     }
@@ -168,8 +184,9 @@ fn read_original(args: &Args, path: &Path, container: &Container) -> Result<Volu
     })
 }
 
-/// Whether two volumes have the same extent, type and samples; if not, where they differ first.
-fn compare(decoded: &Volume, original: &Volume) -> Result<(), String> {
+/// Compares two volumes: same extent, same type, and samples that are equal or, with a bound, within it. Returns the
+/// largest error where there is a bound, or else where they differ first.
+fn compare(decoded: &Volume, original: &Volume, bound: Option<f64>) -> Result<Option<f64>, String> {
     if (decoded.extent, decoded.element) != (original.extent, original.element) {
         let say = |volume: &Volume| {
             let [x, y, z] = volume.extent;
@@ -177,15 +194,22 @@ fn compare(decoded: &Volume, original: &Volume) -> Result<(), String> {
         };
         return Err(format!("holds {}, but the compressed file {}", say(original), say(decoded)));
     }
-    match decoded.samples.iter().zip(&original.samples).position(|(a, b)| a != b) {
-        None => Ok(()),
-        Some(byte) => {
-            let [width, height, _] = decoded.extent;
-            let sample = (byte / decoded.element.bytes()) as u64;
-            let (x, y, z) = (sample % width, sample / width % height, sample / width / height);
-            Err(format!("differs from the compressed file, first at sample ({x}, {y}, {z})"))
+    let (element, ours, theirs) = (decoded.element, &decoded.samples, &original.samples);
+    let (sample, by, largest) = match bound {
+        None => {
+            let first = ours.iter().zip(theirs).position(|(a, b)| a != b);
+            (first.map(|byte| byte / element.bytes()), String::new(), None)
         }
-    }
+        Some(bound) => {
+            let Deviation { largest, beyond } = Deviation::of(element, theirs, ours, bound);
+            (beyond, format!(" by more than {bound:e}"), Some(largest))
+        }
+    };
+    let Some(sample) = sample.map(|sample| sample as u64) else { return Ok(largest) };
+    let [width, height, _] = decoded.extent;
+    let (x, y, z) = (sample % width, sample / width % height, sample / width / height);
+    let most = largest.map_or_else(String::new, |largest| format!("; the largest error is {largest:e}"));
+    Err(format!("differs{by} from the compressed file, first at sample ({x}, {y}, {z}){most}"))
 }
 
 #[cfg(test)]
@@ -198,13 +222,16 @@ mod tests {
     #[test]
     fn differences_are_named() {
         let volume = generate(Kind::Waves, [4, 3, 2], ElementType::U16, 1);
-        assert_eq!(compare(&volume, &volume), Ok(()));
+        assert_eq!(compare(&volume, &volume, None), Ok(None));
         let mut changed = volume.clone();
         changed.samples[2 * (4 + 1) + 1] ^= 1;
-        assert!(compare(&volume, &changed).unwrap_err().ends_with("(1, 1, 0)"));
+        assert!(compare(&volume, &changed, None).unwrap_err().ends_with("(1, 1, 0)"));
+        assert_eq!(compare(&volume, &changed, Some(256.0)), Ok(Some(256.0)));
+        let beyond = compare(&volume, &changed, Some(255.5)).unwrap_err();
+        assert!(beyond.contains("(1, 1, 0)") && beyond.ends_with("the largest error is 2.56e2"), "{beyond}");
         let other = generate(Kind::Waves, [4, 3, 3], ElementType::U16, 1);
         assert_eq!(
-            compare(&volume, &other).unwrap_err(),
+            compare(&volume, &other, None).unwrap_err(),
             "holds 4x3x3 u16, but the compressed file 4x3x2 u16"
         );
     }

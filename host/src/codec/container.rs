@@ -10,11 +10,12 @@ use wavelift_kernel::Wavelet;
 
 use super::brick::Encoded;
 use super::choice::Transform;
-use super::{ContainerError, Grid, Values, planes};
+use super::{ContainerError, Effort, Form, Grid};
+use crate::bound::Bound;
 use crate::volume::{ElementType, Metadata};
 
 /// Version of the container that is written, and the only one that is read.
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 
 /// The first eight bytes: not text, and damaged by any conversion of line ends.
 const MAGIC: [u8; 8] = *b"\x89WLIFT\r\n";
@@ -29,20 +30,24 @@ const HEADER_BYTES: usize = 12;
 const FOOTER_BYTES: usize = 8 + 8 + 4 + 4 + 8;
 
 /// What a container says about its volume, and where its bricks are.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Index {
     /// Extent and bricks.
     pub grid: Grid,
     /// Type of a sample.
     pub element: ElementType,
+    /// The effort of the encoder; a reader has no use for it.
+    pub effort: Effort,
     /// The wavelet, or none.
     pub wavelet: Option<Wavelet>,
     /// Levels of the transform of a whole brick.
     pub levels: u8,
     /// The coarsest level that can be read; 0 is full resolution.
     pub readable_levels: u8,
-    /// The values that samples are packed to the numbers of, if they are.
-    pub values: Option<Values>,
+    /// What its integers stand for.
+    pub form: Form,
+    /// The bound that samples were kept to; `None` for every bit.
+    pub bound: Option<Bound>,
     /// What the source said beside extent and type.
     pub metadata: Metadata,
     /// One entry per brick, in the order of [`Grid`], which is also that of the file.
@@ -54,16 +59,41 @@ pub struct Index {
 pub struct BrickEntry {
     /// Bytes of each of its codestreams.
     pub lengths: Vec<u32>,
-    /// CRC-32 of its codestreams.
+    /// What follows them in a volume on a scale; `None` for a brick that is coded exactly, without a transform.
+    pub exceptions: Option<Kept>,
+    /// CRC-32 of its codestreams and exceptions.
     pub stored_crc: u32,
-    /// CRC-32 of its samples, little-endian in their own type, x fastest.
+    /// CRC-32 of its samples as they are decoded, little-endian in their own type, x fastest.
     pub samples_crc: u32,
 }
 
+/// The samples of a brick whose bits are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Kept {
+    /// How many there are.
+    pub samples: u32,
+    /// Bytes that their [`Exceptions`](crate::bound::Exceptions) take, 0 if there are none.
+    pub bytes: u32,
+}
+
+impl Index {
+    /// Samples whose bits are kept beside a scale.
+    pub fn exceptions(&self) -> u64 {
+        self.bricks.iter().filter_map(|brick| brick.exceptions).map(|kept| u64::from(kept.samples)).sum()
+    }
+
+    /// Bricks that are coded exactly, though the volume is on a scale.
+    pub fn exact_bricks(&self) -> usize {
+        let exact = self.bricks.iter().filter(|brick| brick.exceptions.is_none());
+        if self.form.scale().is_some() { exact.count() } else { 0 }
+    }
+}
+
 impl BrickEntry {
-    /// Bytes of its codestreams together.
+    /// Bytes of its codestreams together, and of its exceptions.
     pub fn bytes(&self) -> u64 {
-        self.lengths.iter().copied().map(u64::from).sum()
+        let exceptions = self.exceptions.map(|kept| kept.bytes);
+        self.lengths.iter().copied().chain(exceptions).map(u64::from).sum()
     }
 }
 
@@ -84,24 +114,24 @@ impl<'a, W: Write> Writer<'a, W> {
 
     /// Writes the next brick.
     pub(super) fn brick(&mut self, brick: Encoded) -> io::Result<()> {
-        self.out.write_all(&brick.codestreams)?;
-        self.written += brick.codestreams.len() as u64;
-        let stored_crc = crc32fast::hash(&brick.codestreams);
+        self.out.write_all(&brick.bytes)?;
+        self.written += brick.bytes.len() as u64;
         self.index.bricks.push(BrickEntry {
             lengths: brick.lengths,
-            stored_crc,
+            exceptions: brick.exceptions,
+            stored_crc: crc32fast::hash(&brick.bytes),
             samples_crc: brick.samples_crc,
         });
         Ok(())
     }
 
-    /// Writes index and footer; returns the bytes of the whole container.
-    pub(super) fn finish(self) -> io::Result<u64> {
+    /// Writes index and footer; returns the bytes of the whole container, and what it says.
+    pub(super) fn finish(self) -> io::Result<(u64, Index)> {
         let index = postcard::to_allocvec(&self.index).map_err(io::Error::other)?;
         self.out.write_all(&index)?;
         self.out.write_all(&footer(self.written, &index))?;
         self.out.flush()?;
-        Ok(self.written + (index.len() + FOOTER_BYTES) as u64)
+        Ok((self.written + (index.len() + FOOTER_BYTES) as u64, self.index))
     }
 }
 
@@ -131,8 +161,6 @@ pub struct Container {
     index: Index,
     /// Where each brick begins; one more, where the last one ends.
     positions: Vec<u64>,
-    /// The values of [`Index::values`].
-    values: Option<Vec<i32>>,
 }
 
 impl Container {
@@ -146,8 +174,7 @@ impl Container {
         check_header(&mut file)?;
         let (position, index) = read_index(&mut file, bytes)?;
         let positions = check_index(&index, position)?;
-        let values = index.values.as_ref().map(|values| values.table().ok_or(BAD_VALUES)).transpose()?;
-        Ok(Self { file: Mutex::new(file), bytes, index, positions, values })
+        Ok(Self { file: Mutex::new(file), bytes, index, positions })
     }
 
     /// What the container says about its volume and bricks.
@@ -171,28 +198,16 @@ impl Container {
         Transform { wavelet: self.index.wavelet, levels: self.index.levels }
     }
 
-    /// The values that samples are packed to the numbers of.
-    pub(super) fn values(&self) -> Option<&[i32]> {
-        self.values.as_deref()
-    }
-
-    /// Reads the codestreams of brick `index`, which is below the number of bricks.
+    /// Reads the codestreams and exceptions of brick `index`, which is below the number of bricks.
     pub(super) fn read_brick(&self, index: u64) -> io::Result<Vec<u8>> {
         let entry = index as usize;
-        let mut codestreams = vec![0; (self.positions[entry + 1] - self.positions[entry]) as usize];
+        let mut bytes = vec![0; (self.positions[entry + 1] - self.positions[entry]) as usize];
         let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         file.seek(SeekFrom::Start(self.positions[entry]))?;
-        file.read_exact(&mut codestreams)?;
-        Ok(codestreams)
+        file.read_exact(&mut bytes)?;
+        Ok(bytes)
     }
 }
-
-/// Whether the low-pass part of samples of this type is in their scale.
-pub(super) const fn has_levels(element: ElementType) -> bool {
-    !matches!(element, ElementType::F32 | ElementType::F64 | ElementType::U64 | ElementType::I64)
-}
-
-const BAD_VALUES: ContainerError = ContainerError::Damaged("the values in the index are not ascending");
 
 fn check_header(file: &mut File) -> Result<(), ContainerError> {
     let mut found = [0; HEADER_BYTES];
@@ -259,12 +274,18 @@ fn check_index(index: &Index, end: u64) -> Result<Vec<u64>, ContainerError> {
     let transformed = if index.wavelet.is_some() { index.levels } else { deepest };
     if index.levels > deepest
         || index.readable_levels > transformed.min(index.grid.aligned_levels())
-        || index.readable_levels > 0 && !has_levels(index.element)
+        || index.readable_levels > 0 && !index.form.has_levels(index.element)
         || (index.levels > 0) != index.wavelet.is_some()
-        || index.values.is_some()
-            && (index.wavelet.is_some() || planes::sample_types(index.element).len() != 1)
+        || (index.form.values().is_some() || index.form.slack().is_some()) && index.wavelet.is_some()
     {
-        return Err(ContainerError::Damaged("what the index says of levels and packing is contradictory"));
+        return Err(ContainerError::Damaged("what the index says of levels and form is contradictory"));
+    }
+    let may_be_kept = |brick: &BrickEntry| brick.exceptions.is_none() || index.form.scale().is_some();
+    if !index.form.suits(index.element)
+        || !index.bound.is_none_or(Bound::is_sound)
+        || !index.bricks.iter().all(may_be_kept)
+    {
+        return Err(ContainerError::Damaged("what the index says of bound and scale is contradictory"));
     }
     let mut positions = vec![HEADER_BYTES as u64];
     for brick in &index.bricks {

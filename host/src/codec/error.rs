@@ -36,6 +36,9 @@ pub enum CompressError {
         /// Bytes there are.
         actual: u64,
     },
+    /// A brick decodes to other samples than it may: a fault of the codec.
+    #[error("a brick decodes to samples beyond the error bound: please report this")]
+    Unfaithful,
     /// Writing failed.
     #[error("cannot write: {0}")]
     Io(#[from] io::Error),
@@ -46,6 +49,7 @@ impl CompressError {
     pub const fn kind(&self) -> Fault {
         match self {
             Self::Io(_) => Fault::Io,
+            Self::Unfaithful => Fault::Data,
             _ => Fault::Usage,
         }
     }

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use wavelift_kernel::Extent;
 
-/// Samples of the bricks that volumes are cut into unless asked otherwise: 64 a side, or as many in a slice or line.
-const DEFAULT_BRICK_SAMPLES: u32 = 1 << 18;
+/// Sides along axes that are cut, unless asked otherwise, are multiples of this: four levels without seams.
+const ALIGNMENT: u32 = 1 << 4;
 
 /// Samples that a brick may have at most: 2^27, half a GiB of `i32`; coding it takes up to three times as much.
 pub(super) const MAX_BRICK_SAMPLES: u64 = 1 << 27;
@@ -45,14 +45,28 @@ impl Grid {
         grid.is_sound().then_some(grid)
     }
 
-    /// The sides of bricks unless asked otherwise: 64, but 512 by 512 for a slice and 2^18 for a line, so that
-    /// every brick has the same number of samples to learn from.
-    pub fn default_sides(extent: [u64; 3]) -> [u32; 3] {
-        match extent {
-            [_, 1, 1] => [DEFAULT_BRICK_SAMPLES, 1, 1],
-            [_, _, 1] => [DEFAULT_BRICK_SAMPLES.isqrt(), DEFAULT_BRICK_SAMPLES.isqrt(), 1],
-            _ => [64; 3],
+    /// Samples of a brick that is quick to reach: 64 a side.
+    pub const SMALL_BRICK: u32 = 1 << 18;
+
+    /// Samples of a brick for coding that learns long, as every brick has to learn anew: 128 a side.
+    pub const LARGE_BRICK: u32 = 1 << 21;
+
+    /// The sides of bricks unless asked otherwise: of about `samples`, whatever the shape of the volume.
+    ///
+    /// From the shortest axis to the longest, each is cut into equal parts, as near as can be to the side that would
+    /// make what is left of the brick a cube; so what a short axis lacks goes to the others.
+    pub fn default_sides(extent: [u64; 3], samples: u32) -> [u32; 3] {
+        let mut samples = f64::from(samples);
+        let mut axes = [0, 1, 2];
+        axes.sort_by_key(|&axis| extent[axis]);
+        let mut sides = [0; 3];
+        for (axis, left) in axes.into_iter().zip([3.0, 2.0, 1.0]) {
+            let parts = (extent[axis] as f64 / samples.powf(1.0 / left)).round().max(1.0) as u64;
+            let side = u32::try_from(extent[axis].div_ceil(parts)).unwrap_or(u32::MAX);
+            sides[axis] = if parts > 1 { side.next_multiple_of(ALIGNMENT) } else { side };
+            samples /= f64::from(sides[axis]);
         }
+        sides
     }
 
     /// Whether a grid that was read makes sense.
@@ -134,9 +148,28 @@ mod tests {
     }
 
     #[test]
-    fn defaults_and_limits() {
-        assert_eq!(Grid::default_sides([9, 9, 9]), [64; 3]);
-        assert_eq!(Grid::default_sides([9, 9, 1]), [512, 512, 1]);
+    fn bricks_hold_as_many_samples_whatever_the_shape() {
+        let sides = |extent| Grid::default_sides(extent, Grid::SMALL_BRICK);
+        assert_eq!(sides([256, 256, 128]), [64; 3]);
+        assert_eq!(sides([9, 9, 9]), [9; 3]);
+        assert_eq!(sides([1024, 1536, 1]), [512, 512, 1]);
+        assert_eq!(sides([1 << 20, 1, 1]), [1 << 18, 1, 1]);
+        assert_eq!(sides([480, 241, 6]), [160, 241, 6]);
+        assert_eq!(sides([6, 480, 241]), [6, 160, 241]);
+        assert_eq!(sides([91, 91, 91]), [91, 48, 48]);
+        assert_eq!(Grid::default_sides([512, 256, 128], Grid::LARGE_BRICK), [128; 3]);
+        for extent in [[1 << 40, 1 << 40, 1 << 40], [u64::MAX, 1, 1], [1, 3, 1 << 50], [5000, 4999, 2]] {
+            for samples in [Grid::SMALL_BRICK, Grid::LARGE_BRICK] {
+                let grid = Grid { extent, sides: Grid::default_sides(extent, samples) };
+                let samples: u64 = grid.sides.into_iter().map(u64::from).product();
+                assert!(samples <= 1 << 23 && grid.aligned_levels() >= 4, "{grid:?}");
+                assert!(samples >= 1 << 17, "{grid:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn limits() {
         assert_eq!(Grid::new([9, 9, 1], [512, 512, 1]).unwrap().sides, [9, 9, 1]);
         assert_eq!(Grid::new([1 << 40, 1, 1], [u32::MAX, 1, 1]), None);
         assert_eq!(Grid::new([4, 4, 4], [0, 1, 1]), None);

@@ -7,20 +7,27 @@ mod brick;
 mod choice;
 mod compress;
 mod container;
+mod effort;
 mod error;
+mod form;
 mod grid;
 mod level;
 mod packing;
 pub(crate) mod planes;
 mod read;
+mod scaled;
+mod steps;
 #[cfg(test)]
 mod tests;
+mod trial;
 
 pub(crate) use choice::Transform;
 pub use choice::{Choice, UnknownChoice};
 pub use compress::{CompressOptions, Report, compress};
-pub use container::{BrickEntry, Container, Index};
+pub use container::{BrickEntry, Container, Index, Kept};
+pub use effort::{Effort, UnknownEffort};
 pub use error::{CompressError, ContainerError};
+pub use form::Form;
 pub use grid::{Brick, Grid};
 pub use packing::Values;
 pub use read::{Part, Region, RegionError};

@@ -9,70 +9,78 @@ use serde::{Deserialize, Serialize};
 use wavelift_kernel::SampleType;
 
 use super::planes;
-use crate::volume::{ElementType, Volume};
+use crate::volume::Volume;
 
 /// The most values that are packed: their numbers take 16 bits.
 const MOST: usize = 1 << 16;
 
-/// The values that occur in a volume, ascending, as the first and the steps to each next.
+/// The values that occur in a volume, ascending; stored as the first and the steps to each next.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "(i32, Vec<u32>)", into = "(i32, Vec<u32>)")]
 pub struct Values {
-    first: i32,
-    steps: Vec<u32>,
+    table: Vec<i32>,
+}
+
+impl From<Values> for (i32, Vec<u32>) {
+    fn from(values: Values) -> Self {
+        let steps = values.table.array_windows().map(|&[a, b]| b.wrapping_sub(a).cast_unsigned());
+        (values.table[0], steps.collect())
+    }
+}
+
+impl TryFrom<(i32, Vec<u32>)> for Values {
+    type Error = &'static str;
+
+    fn try_from((first, steps): (i32, Vec<u32>)) -> Result<Self, Self::Error> {
+        const WRONG: &str = "values that do not ascend, or too many";
+        if steps.len() >= MOST || steps.contains(&0) {
+            return Err(WRONG);
+        }
+        let mut table = vec![first];
+        for step in steps {
+            let last = table.last().copied().unwrap_or(first);
+            table.push(i32::try_from(i64::from(last) + i64::from(step)).map_err(|_| WRONG)?);
+        }
+        Ok(Self { table })
+    }
 }
 
 impl Values {
     /// The values of a volume, if there are few enough of them and gaps between them.
-    pub(super) fn of(volume: &Volume) -> Option<Vec<i32>> {
+    pub(super) fn of(volume: &Volume) -> Option<Self> {
         let [_] = planes::sample_types(volume.element) else { return None };
         let values = match volume.element.bytes() {
             1 | 2 => by_marking(volume),
             _ => by_collecting(volume)?,
         };
         let range = i64::from(*values.last()?) - i64::from(*values.first()?);
-        (range + 1 > values.len() as i64).then_some(values)
-    }
-
-    /// What goes into the index.
-    pub(super) fn new(values: &[i32]) -> Option<Self> {
-        let steps = values.windows(2).map(|pair| pair[1].wrapping_sub(pair[0]).cast_unsigned());
-        Some(Self { first: *values.first()?, steps: steps.collect() })
-    }
-
-    /// The values again; `None` for what no volume packs to.
-    pub(super) fn table(&self) -> Option<Vec<i32>> {
-        let mut values = vec![self.first];
-        for &step in &self.steps {
-            let next = i32::try_from(i64::from(*values.last()?) + i64::from(step)).ok()?;
-            values.push(next);
-        }
-        (values.len() <= MOST && !self.steps.contains(&0)).then_some(values)
+        (range + 1 > values.len() as i64).then_some(Self { table: values })
     }
 
     /// How many there are.
-    pub fn count(&self) -> usize {
-        self.steps.len() + 1
+    pub const fn count(&self) -> usize {
+        self.table.len()
     }
-}
 
-/// The type of the numbers of `values`.
-pub(super) const fn sample_type(values: &[i32]) -> SampleType {
-    if values.len() <= 1 << 8 { SampleType::U8 } else { SampleType::U16 }
-}
-
-/// Replaces samples by the numbers of their values.
-pub(super) fn pack(values: &[i32], samples: &mut [i32]) {
-    for sample in samples {
-        *sample = values.partition_point(|value| value < sample) as i32;
+    /// The type of their numbers.
+    pub(super) const fn sample_type(&self) -> SampleType {
+        if self.table.len() <= 1 << 8 { SampleType::U8 } else { SampleType::U16 }
     }
-}
 
-/// Undoes [`pack`]; `None` for a number without a value.
-pub(super) fn unpack(values: &[i32], samples: &mut [i32]) -> Option<()> {
-    for sample in samples {
-        *sample = *values.get(usize::try_from(*sample).ok()?)?;
+    /// Replaces samples by the numbers of their values.
+    pub(super) fn pack(&self, samples: &mut [i32]) {
+        for sample in samples {
+            *sample = self.table.partition_point(|value| value < sample) as i32;
+        }
     }
-    Some(())
+
+    /// Undoes [`Values::pack`]; `None` for a number without a value.
+    pub(super) fn unpack(&self, samples: &mut [i32]) -> Option<()> {
+        for sample in samples {
+            *sample = *self.table.get(usize::try_from(*sample).ok()?)?;
+        }
+        Some(())
+    }
 }
 
 /// The distinct values of a type of at most 16 bits.
@@ -109,14 +117,10 @@ fn each_sample(volume: &Volume, mut look: impl FnMut(i32) -> bool) {
     }
 }
 
-/// The types of the planes of an element whose samples may be packed.
-pub(super) fn sample_types(element: ElementType, values: Option<&[i32]>) -> Vec<SampleType> {
-    values.map_or_else(|| planes::sample_types(element).to_vec(), |values| vec![sample_type(values)])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::ElementType;
     use crate::volume::synthetic::{Kind, generate};
 
     fn volume(element: ElementType, samples: &[i32]) -> Volume {
@@ -131,15 +135,15 @@ mod tests {
         for element in [ElementType::I16, ElementType::I32] {
             let samples = [300, -5, 300, 12, -32_768, 12];
             let values = Values::of(&volume(element, &samples)).unwrap();
-            assert_eq!(values, [-32_768, -5, 12, 300]);
-            assert_eq!(Values::new(&values).unwrap().table().unwrap(), values);
+            assert_eq!(values.table, [-32_768, -5, 12, 300]);
+            assert_eq!(<(i32, Vec<u32>)>::from(values.clone()).try_into(), Ok(values.clone()));
             let mut packed = samples;
-            pack(&values, &mut packed);
+            values.pack(&mut packed);
             assert_eq!(packed, [3, 1, 3, 2, 0, 2]);
-            unpack(&values, &mut packed).unwrap();
+            values.unpack(&mut packed).unwrap();
             assert_eq!(packed, samples);
-            assert_eq!(unpack(&values, &mut [4]), None);
-            assert_eq!(unpack(&values, &mut [-1]), None);
+            assert_eq!(values.unpack(&mut [4]), None);
+            assert_eq!(values.unpack(&mut [-1]), None);
         }
     }
 
@@ -153,10 +157,11 @@ mod tests {
 
     #[test]
     fn extremes_and_nonsense() {
-        let extremes = [i32::MIN, 0, i32::MAX];
-        assert_eq!(Values::new(&extremes).unwrap().table().unwrap(), extremes);
-        assert_eq!(Values { first: i32::MAX, steps: vec![1] }.table(), None);
-        assert_eq!(Values { first: 0, steps: vec![0] }.table(), None);
-        assert_eq!(Values { first: 0, steps: vec![1; MOST] }.table(), None);
+        let extremes = Values { table: vec![i32::MIN, 0, i32::MAX] };
+        assert_eq!(<(i32, Vec<u32>)>::from(extremes.clone()).try_into(), Ok(extremes));
+        for (first, steps) in [(i32::MAX, vec![1]), (0, vec![0]), (0, vec![1; MOST])] {
+            Values::try_from((first, steps)).unwrap_err();
+        }
+        assert_eq!(Values::try_from((0, vec![1; MOST - 1])).unwrap().count(), MOST);
     }
 }

@@ -9,11 +9,12 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 use wavelift_kernel::Extent;
 
-use super::brick::{Decoded, Worker, coarsened, scatter};
-use super::container::Container;
+use super::brick::{Decoded, Expected, Worker, coarsened, read_exceptions, scatter};
+use super::choice::Transform;
+use super::container::{BrickEntry, Container, Index};
 use super::grid::per_axis;
-use super::{Brick, ContainerError, Progress, level, packing, planes, pool};
-use crate::volume::{Volume, sample_bytes};
+use super::{Brick, ContainerError, Form, Progress, level, planes, pool, scaled};
+use crate::volume::{ElementType, Volume, sample_bytes};
 
 /// A box of samples: `from` up to but without `to`, along x, y, z of the volume at full resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,47 +199,88 @@ impl Container {
         Ok(())
     }
 
-    /// Makes samples of `level` of what was decoded: of the low-pass part of a transform, or of all the samples.
-    fn bring_to_level(&self, decoded: &mut Decoded, level: u8) {
-        let (plan, sample_type) = (decoded.header.plan(), planes::sample_types(self.index().element)[0]);
-        for plane in &mut decoded.planes {
-            match self.index().wavelet {
-                Some(_) => level::rescale(&plan, level, sample_type, plane),
-                None => level::coarsen(plan.extent(), level, sample_type, plane),
-            }
-        }
-    }
-
     /// Reads and decodes one brick; the result is little-endian samples of its level.
     fn decode(&self, worker: &mut Worker, index: u64, level: u8) -> Result<Vec<u8>, ContainerError> {
-        let (grid, element) = (self.index().grid, self.index().element);
+        let Index { grid, element, form, .. } = self.index();
         let entry = &self.index().bricks[index as usize];
         let brick = grid.brick(index);
-        let codestreams = self.read_brick(index)?;
-        if crc32fast::hash(&codestreams) != entry.stored_crc {
+        let stored = self.read_brick(index)?;
+        if crc32fast::hash(&stored) != entry.stored_crc {
             return Err(damage(index, brick, "its bytes contradict their checksum"));
         }
-        let types = packing::sample_types(element, self.values());
-        let transformed = if self.index().wavelet.is_some() { level } else { 0 };
-        let plan = Extent::new(brick.sides).map(|extent| self.transform().plan(extent));
-        let mut decoded = plan
-            .map_err(|error| error.to_string())
-            .and_then(|plan| worker.decode(&codestreams, &entry.lengths, &types, &plan, transformed))
-            .map_err(|cause| damage(index, brick, cause))?;
-        for plane in &mut decoded.planes {
-            if self.values().is_some_and(|values| packing::unpack(values, plane).is_none()) {
-                return Err(damage(index, brick, "it has samples without a value"));
+        let decoded = match (form, entry.exceptions) {
+            (Form::Scaled { .. }, None) => {
+                let exact = Coded { transform: Transform::NONE, form: &Form::Exact };
+                let samples = exact.decode(worker, &stored, entry, (*element, brick), 0);
+                samples.map(|samples| scaled::thin(*element, brick.sides, level, &samples))
             }
-        }
-        if level > 0 {
-            self.bring_to_level(&mut decoded, level);
-        }
-        let mut bytes = Vec::new();
-        planes::join(element, &decoded.planes, &mut bytes);
+            _ => {
+                let coded = Coded { transform: self.transform(), form };
+                coded.decode(worker, &stored, entry, (*element, brick), level)
+            }
+        };
+        let bytes = decoded.map_err(|cause| damage(index, brick, cause))?;
         if level == 0 && crc32fast::hash(&bytes) != entry.samples_crc {
             return Err(damage(index, brick, "its samples contradict their checksum"));
         }
         Ok(bytes)
+    }
+}
+
+/// How a brick is coded.
+struct Coded<'a> {
+    transform: Transform,
+    form: &'a Form,
+}
+
+impl Coded<'_> {
+    /// Decodes a brick from what is stored of it to little-endian samples of its level.
+    fn decode(
+        &self,
+        worker: &mut Worker,
+        stored: &[u8],
+        entry: &BrickEntry,
+        (element, brick): (ElementType, Brick),
+        level: u8,
+    ) -> Result<Vec<u8>, String> {
+        let extent = Extent::new(brick.sides).map_err(|error| error.to_string())?;
+        let expected = Expected::new(element, self.form, self.transform, extent);
+        let is_lattice = self.form.slack().is_some();
+        let asked = if is_lattice || self.transform.wavelet.is_some() { level } else { 0 };
+        let mut decoded = worker.decode(stored, &entry.lengths, &expected, asked)?;
+        self.form.unpack(&mut decoded.planes).ok_or("it has samples without a value")?;
+        if level > 0 && !is_lattice {
+            self.bring_to_level(&mut decoded, element, level);
+        }
+        let mut bytes = self.form.join(element, &decoded.planes);
+        let levels = decoded.header.plan().levels();
+        if is_lattice && level > levels {
+            let sides = decoded.header.extent_at(levels).axes();
+            bytes = scaled::thin(element, sides, level - levels, &bytes);
+        }
+        if let Some(kept) = entry.exceptions {
+            let exceptions = &stored[stored.len() - kept.bytes as usize..];
+            let exceptions = read_exceptions(exceptions, kept).ok_or("its exceptions cannot be read")?;
+            if !scaled::apply(&exceptions, element, (brick.sides, level), &mut bytes) {
+                return Err("it has exceptions outside".into());
+            }
+        }
+        Ok(bytes)
+    }
+
+    /// Makes integers of `level` of what was decoded: of the low-pass part of a transform, or of all of them.
+    fn bring_to_level(&self, decoded: &mut Decoded, element: ElementType, level: u8) {
+        let plan = decoded.header.plan();
+        let sample_type = match self.form {
+            Form::Scaled { integers, .. } => *integers,
+            _ => planes::sample_types(element)[0],
+        };
+        for plane in &mut decoded.planes {
+            match self.transform.wavelet {
+                Some(_) => level::rescale(&plan, level, sample_type, plane),
+                None => level::coarsen(plan.extent(), level, sample_type, plane),
+            }
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use wavelift_kernel::metric::{self, Measure};
-use wavelift_kernel::{Codec, Extent, Plan, SampleType, Wavelet, max_encoded_len};
+use wavelift_kernel::{Codec, Effort, Extent, Plan, SampleType, Training, Wavelet, max_encoded_len};
 
 use super::{Row, Table};
 use crate::codec::{Brick, Grid, Progress, Transform};
@@ -50,7 +50,7 @@ impl TablesError {
 
 /// Measures the six wavelets, and no transform, on a volume of integers of up to 32 bits.
 ///
-/// The volume is cut as by [`Grid::default_sides`]: bricks of 64^3 samples, slices of 512^2. `levels` is for all bricks
+/// The volume is cut as by [`Grid::default_sides`] into bricks of about 2^18 samples. `levels` is for all bricks
 /// that allow so many; `None` for as many as each allows. `progress` is told every sample seven times.
 ///
 /// # Errors
@@ -66,7 +66,7 @@ pub fn measure(
     progress: Progress<'_>,
 ) -> Result<Table, TablesError> {
     let sample_type = sample_type(volume.element)?;
-    let sides = Grid::default_sides(volume.extent);
+    let sides = Grid::default_sides(volume.extent, Grid::SMALL_BRICK);
     let grid = Grid::new(volume.extent, sides).expect("bricks of the default sides are possible");
     let max = extent(grid.sides).max_levels();
     if let Some(levels) = levels.filter(|&levels| levels > max) {
@@ -134,9 +134,10 @@ impl Cut<'_> {
         let mut scratch = vec![0; plan.scratch_len()];
         let room = max_encoded_len(plan.extent(), self.sample_type).expect("a brick's bytes can be counted");
         let mut stream = vec![0; room];
-        let mut codec = Codec::NEW;
+        let (mut codec, mut training) = (Codec::NEW, Box::new(Training::NEW));
+        let effort = Effort::Default(&mut training);
         let bytes = codec
-            .encode(&plan, self.sample_type, &mut values, &mut scratch, &mut stream)
+            .encode(effort, &plan, self.sample_type, &mut values, &mut scratch, &mut stream)
             .expect("the memory is that of the plan, the samples are of their type");
         let decoded = codec.decode(&stream[..bytes], &mut values, &mut scratch);
         if decoded.is_err() || values != samples {
@@ -175,18 +176,18 @@ mod tests {
 
     #[test]
     fn a_volume_is_measured_brick_by_brick() {
-        let volume = generate(Kind::Waves, [70, 9, 3], ElementType::U16, 1);
+        let volume = generate(Kind::Waves, [300, 256, 6], ElementType::U16, 1);
         let told = AtomicU64::new(0);
         let progress = |samples| {
             told.fetch_add(samples, Ordering::Relaxed);
         };
         let table = measure("waves", &volume, None, &progress).unwrap();
-        assert_eq!(told.into_inner(), 7 * 70 * 9 * 3);
-        assert_eq!((table.brick, table.bricks, table.rows.len()), ([64, 9, 3], 2, 7));
-        assert_eq!(table.extent.to_string(), "70x9x3");
+        assert_eq!(told.into_inner(), 7 * 300 * 256 * 6);
+        assert_eq!((table.brick, table.bricks, table.rows.len()), ([160, 256, 6], 2, 7));
+        assert_eq!(table.extent.to_string(), "300x256x6");
         for row in &table.rows {
-            assert_eq!(row.measure.samples, 70 * 9 * 3);
-            assert_eq!(row.levels, if row.wavelet.is_some() { 6 } else { 0 });
+            assert_eq!(row.measure.samples, 300 * 256 * 6);
+            assert_eq!(row.levels, if row.wavelet.is_some() { 8 } else { 0 });
             assert!(row.stream_bytes > 0 && row.stream_bytes < table.raw_bytes());
         }
         let values = volume.samples.as_chunks().0.iter().map(|bytes| i32::from(u16::from_le_bytes(*bytes)));

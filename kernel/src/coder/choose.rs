@@ -1,54 +1,109 @@
-//! The encoder's choice of a predictor.
+//! The encoder's choice of a predictor for each subband.
 
-use super::predict::Predictor;
-use super::rows::each_sample;
-use super::train::Equations;
+use super::forecast::{Forecast, RowMemory, Weights};
+use super::predictor::Predictor;
+use super::taps::{Planes, Taps};
+use super::train::Training;
+use super::weightless::{Fixed, FixedRow, RowsBefore};
 use crate::transform::{Plan, Subband};
 
-/// Samples that the predictors are compared on, about: of larger low-pass parts only every so many rows, of longer
-/// rows the first.
-const COMPARED: usize = 1 << 14;
+/// Coefficients that predictors are compared on, about: of larger subbands only every so many rows.
+const COMPARED: usize = 1 << 12;
 
-/// Low-pass parts smaller than this are not worth weights of their own.
-const WORTH_TRAINING: usize = 512;
+/// Subbands of fewer coefficients are not worth weights of their own.
+const WORTH_TRAINING: usize = 1 << 11;
 
-/// Bits of the weights in a header, about.
-const WEIGHTS_COST: u64 = 8 * 40;
+/// Bits that a weight takes, about.
+const WEIGHT_COST: u64 = 7;
 
-impl Predictor {
-    /// The predictor that promises the shortest code for the low-pass part of `coefficients`.
-    pub(crate) fn best(plan: &Plan, coefficients: &[i32], equations: &mut Equations) -> Self {
-        let Some(low_pass) = plan.subbands(0).next() else { return Self::InPlane };
-        let samples = plan.coarsened(plan.levels()).extent().samples();
-        let every = samples.div_ceil(COMPARED) | 1;
-        let cost = |predictor: &Self| predictor.cost(plan, low_pass, coefficients, every);
-        let fixed = Self::FIXED.map(|predictor| (cost(&predictor), predictor));
-        let best = fixed.into_iter().min_by_key(|&(cost, _)| cost);
-        let (fixed_cost, fixed) = best.unwrap_or((u64::MAX, Self::InPlane));
-        if samples < WORTH_TRAINING {
-            return fixed;
+/// What an encoder knows when it chooses: all coefficients that matter, and scratch of [`Plan::scratch_len`].
+#[derive(Debug)]
+pub(super) struct Choosing<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) subband: Subband,
+    pub(super) coefficients: &'a [i32],
+    pub(super) scratch: &'a mut [i32],
+    pub(super) wide: bool,
+}
+
+impl Choosing<'_> {
+    /// The predictor that promises the shortest code for the subband; without `training` none has weights.
+    pub(super) fn best(&mut self, training: Option<&mut Training>) -> Option<Predictor> {
+        let (mut best, mut least) = (Predictor::Zero, u64::MAX);
+        if self.subband.orientation == 0 {
+            for fixed in Fixed::ALL {
+                let fixed = Predictor::Fixed(fixed);
+                let cost = self.cost(&fixed)?;
+                if cost < least {
+                    (best, least) = (fixed, cost);
+                }
+            }
+        } else {
+            least = self.cost(&best)?;
         }
-        let trained = Self::Trained(equations.train(plan, low_pass, coefficients));
-        let saved =
-            fixed_cost.saturating_sub(cost(&trained)).saturating_mul(u64::try_from(every).unwrap_or(1));
-        if saved > WEIGHTS_COST { trained } else { fixed }
+        let samples = self.subband.sides.iter().fold(1, |product: usize, &side| product.wrapping_mul(side));
+        if let Some(training) = training
+            && samples >= WORTH_TRAINING
+        {
+            let (trained, weights) = self.trained(training);
+            let cost = self.cost(&trained)?.saturating_add(weights.wrapping_mul(WEIGHT_COST));
+            if cost < least {
+                best = trained;
+            }
+        }
+        Some(best)
     }
 
-    /// Bits that the residuals of every so many rows take, about: the length of an Elias gamma code each.
-    fn cost(&self, plan: &Plan, low_pass: Subband, coefficients: &[i32], every: usize) -> u64 {
-        let mut bits = 0_u64;
-        let rows = low_pass.rows().step_by(every.max(1));
-        each_sample(plan, low_pass, coefficients, rows, COMPARED, |before, x, wests, value| {
-            let residual = value.wrapping_sub(self.predict(before, x, wests));
-            bits = bits.wrapping_add(gamma_bits(residual));
+    /// A trained predictor and the number of its weights.
+    fn trained(&mut self, training: &mut Training) -> (Predictor, u64) {
+        let mut count = 0_u64;
+        let [first, rest] = [Planes::First, Planes::Others].map(|planes| {
+            let Some(taps) = Taps::new(self.plan, self.subband, planes) else { return Weights::ZERO };
+            count = count.saturating_add(u64::try_from(taps.weights()).unwrap_or(0));
+            training.train(&taps, self.coefficients, self.scratch)
         });
-        bits
+        (Predictor::Trained(first, rest), count)
     }
+
+    /// Bits that the residuals take, about, estimated from every so many rows.
+    fn cost(&mut self, predictor: &Predictor) -> Option<u64> {
+        let [width, height, depth] = self.subband.sides;
+        let every = width.wrapping_mul(height).wrapping_mul(depth).div_ceil(COMPARED) | 1;
+        let mut bits = 0_u64;
+        for place in self.subband.rows().step_by(every) {
+            bits = bits.wrapping_add(self.cost_of_row(predictor, place)?);
+        }
+        Some(bits.wrapping_mul(u64::try_from(every).unwrap_or(1)))
+    }
+
+    fn cost_of_row(&mut self, predictor: &Predictor, [y, z]: [usize; 2]) -> Option<u64> {
+        let [width, _, _] = self.subband.sides;
+        let start = self.subband.row(self.plan, y, z);
+        let row = self.coefficients.get(start..start.wrapping_add(width))?;
+        if let &Predictor::Fixed(fixed) = predictor {
+            let before = RowsBefore::new(self.plan, self.subband, [y, z], self.coefficients.get(..start)?);
+            return Some(bits(row, FixedRow::new(fixed, before)));
+        }
+        let mut memory = RowMemory::new(width, self.wide, self.scratch)?;
+        let forecast = predictor.weighted(self.plan, self.subband, self.coefficients, [y, z], &mut memory);
+        Some(bits(row, forecast))
+    }
+}
+
+/// Bits of the residuals of a row, about: the length of an Elias gamma code each.
+fn bits(row: &[i32], mut forecast: impl Forecast) -> u64 {
+    let mut bits = 0_u64;
+    for (x, &coefficient) in row.iter().enumerate() {
+        let residual = coefficient.wrapping_sub(forecast.expected(x).value);
+        bits = bits.wrapping_add(gamma_bits(residual));
+        forecast.push(coefficient);
+    }
+    bits
 }
 
 /// 1 for 0, 3 for 1 to 2, 5 for 3 to 6, and so on, either sign.
 fn gamma_bits(residual: i32) -> u64 {
-    let octave = residual.unsigned_abs().saturating_add(1).ilog2();
+    let octave = residual.unsigned_abs().saturating_add(1).checked_ilog2().unwrap_or(0);
     u64::from(octave.wrapping_mul(2).wrapping_add(1))
 }
 
@@ -60,10 +115,11 @@ mod tests {
     #[test]
     fn ramps_are_predicted_exactly() {
         let plan = Plan::new(Wavelet::Haar, Extent::slice(4, 2).unwrap(), 0).unwrap();
-        let low_pass = plan.subbands(0).next().unwrap();
-        let cost = Predictor::InPlane.cost(&plan, low_pass, &[0, 1, 2, 3, 0, 1, 2, 3], 1);
+        let subband = plan.subbands(0).next().unwrap();
+        let (coefficients, scratch) = (&[0, 1, 2, 3, 0, 1, 2, 3], &mut [0; 64]);
+        let mut choosing = Choosing { plan: &plan, subband, coefficients, scratch, wide: false };
         // Three steps of 1 in the first row; the second is the same.
-        assert_eq!(cost, 5 + 3 * 3);
+        assert_eq!(choosing.cost(&Predictor::Fixed(Fixed::InPlane)), Some(5 + 3 * 3));
     }
 
     #[test]

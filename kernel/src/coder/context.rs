@@ -1,95 +1,90 @@
-//! The class of a coefficient: how large it is expected to be, from the magnitudes around it.
+//! What the chances of a residual depend on: how large the residuals around it are, and where between two integers
+//! the prediction fell.
 
 use crate::extent::to_usize;
 
-/// Classes: 0 to 3 for weighted sums 0 to 3, then two an octave.
-pub(super) const CLASSES: usize = 32;
+/// Energies below 2 to this power are told apart exactly or by the half octave, and their residuals coded to the unit;
+/// above, residuals are coded in steps.
+const SMALL_OCTAVES: u32 = 5;
 
-/// Contexts of a sign: three signs of neighbours, each negative, zero or positive.
-pub(super) const SIGN_CONTEXTS: usize = 27;
+/// Classes of small energies: 0 to 3, then two an octave.
+pub(super) const SMALL_CLASSES: usize = 10;
 
-/// Values are remembered up to this magnitude: sums stay small, and larger ones are of the last class anyway.
-const LARGEST: i32 = 1 << 16;
+/// Classes of large energies, two an octave.
+pub(super) const LARGE_CLASSES: usize = 50;
 
-/// Weight of a sibling's magnitude in a hint.
-const SIBLING: i32 = 3;
+/// Where a prediction fell: close to an integer, off it, or halfway between two.
+pub(super) const FRACTIONS: usize = 3;
 
-/// Weight of the parent's magnitude in a hint.
-const PARENT: i32 = 2;
+/// Residuals are remembered up to this magnitude, so that no sum of them overflows.
+const LARGEST: u32 = 1 << 25;
 
-/// `value` as it is remembered.
+/// The magnitude of `residual`, as it is remembered.
 #[inline(always)]
-pub(super) fn remembered(value: i32) -> i32 {
-    value.clamp(LARGEST.wrapping_neg(), LARGEST)
+pub(super) fn magnitude(residual: i32) -> i32 {
+    residual.unsigned_abs().min(LARGEST).cast_signed()
 }
 
-/// What a sibling of that value adds to the weighted sum.
-#[inline(always)]
-pub(super) fn sibling_hint(value: i32) -> i32 {
-    remembered(value).wrapping_abs().wrapping_mul(SIBLING)
-}
-
-/// What a parent of that value adds to the weighted sum.
-#[inline(always)]
-pub(super) fn parent_hint(value: i32) -> i32 {
-    remembered(value).wrapping_abs().wrapping_mul(PARENT)
-}
-
-/// Remembered values around a coefficient of a subband; zero beyond its borders.
-///
-/// Up is the plane before. East and south of the current place only that plane is known.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Around {
-    pub(super) west: i32,
-    pub(super) north: i32,
-    pub(super) up: i32,
-    pub(super) north_west: i32,
-    pub(super) north_east: i32,
-    pub(super) up_east: i32,
-    pub(super) up_south: i32,
-    pub(super) west_west: i32,
-    pub(super) north_north: i32,
-}
-
-/// What the probabilities of a value depend on.
+/// A prediction in units of 1/256: the nearest integer, and how far from it the prediction was, -128 to 127.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Context {
-    /// How large it is expected to be, below [`CLASSES`].
-    pub(super) class: usize,
-    /// Signs of its neighbours, below [`SIGN_CONTEXTS`].
-    pub(super) signs: usize,
+pub(super) struct Expected {
+    pub(super) value: i32,
+    pub(super) offset: i32,
 }
 
-impl Around {
-    /// The context: the class of 4 (W + N + U) + 2 (NW + NE + UE + US) + WW + NN + hint, of magnitudes, and the
-    /// signs of W, N and U.
+impl Expected {
+    /// Exactly `value`.
     #[inline(always)]
-    pub(super) fn context(&self, hint: i32) -> Context {
-        let near = sum_of([self.west, self.north, self.up]);
-        let next = sum_of([self.north_west, self.north_east, self.up_east, self.up_south]);
-        let far = sum_of([self.west_west, self.north_north]);
-        let sum = sum_of([near.wrapping_mul(4), next.wrapping_mul(2), far, hint]);
-        let signs =
-            [self.west, self.north, self.up].map(|value| value.signum().wrapping_add(1).cast_unsigned());
-        let signs = signs.into_iter().fold(0_u32, |signs, sign| signs.wrapping_mul(3).wrapping_add(sign));
-        Context { class: class_of(sum.cast_unsigned()), signs: to_usize(signs) }
+    pub(super) const fn exactly(value: i32) -> Self {
+        Self { value, offset: 0 }
+    }
+
+    /// `scaled` / 256.
+    #[inline(always)]
+    pub(super) fn of_scaled(scaled: i32) -> Self {
+        let rounded = scaled.wrapping_add(128);
+        Self { value: rounded >> 8, offset: (rounded & 0xFF).wrapping_sub(128) }
+    }
+
+    /// `scaled` / 256, its low 32 bits.
+    #[inline(always)]
+    pub(super) fn of_wide_scaled(scaled: i64) -> Self {
+        let [fraction, a, b, c, d, ..] = scaled.wrapping_add(128).to_le_bytes();
+        Self { value: i32::from_le_bytes([a, b, c, d]), offset: i32::from(fraction).wrapping_sub(128) }
+    }
+
+    /// How far from an integer the prediction fell: below [`FRACTIONS`].
+    #[inline(always)]
+    pub(super) fn fraction(self) -> usize {
+        let distance = self.offset.wrapping_abs();
+        usize::from(distance >= 32).wrapping_add(usize::from(distance >= 80))
     }
 }
 
-/// The sum of the magnitudes.
-#[inline(always)]
-fn sum_of<const N: usize>(values: [i32; N]) -> i32 {
-    values.into_iter().fold(0, |sum: i32, value| sum.wrapping_add(value.wrapping_abs()))
+/// The class of an energy, and the bits of the steps in which its residuals are coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Class {
+    Small(usize),
+    Large { class: usize, step_bits: u32 },
 }
 
-#[inline(always)]
-fn class_of(sum: u32) -> usize {
-    if sum < 4 {
-        return to_usize(sum);
+impl Class {
+    #[inline(always)]
+    pub(super) fn of(energy: i32) -> Self {
+        let energy = energy.cast_unsigned();
+        if energy < 4 {
+            return Self::Small(to_usize(energy));
+        }
+        let octave = energy.checked_ilog2().unwrap_or(0);
+        let upper_half = (energy >> octave.wrapping_sub(1)) & 1;
+        let class = octave.wrapping_mul(2).wrapping_add(upper_half);
+        if octave < SMALL_OCTAVES {
+            Self::Small(to_usize(class))
+        } else {
+            let class = to_usize(class.wrapping_sub(2 * SMALL_OCTAVES)).min(LARGE_CLASSES - 1);
+            Self::Large { class, step_bits: octave.wrapping_sub(SMALL_OCTAVES) }
+        }
     }
-    let octave = sum.ilog2();
-    let upper_half = (sum >> octave.wrapping_sub(1)) & 1;
-    to_usize(octave.wrapping_mul(2).wrapping_add(upper_half)).min(CLASSES - 1)
 }
 
 #[cfg(test)]
@@ -98,15 +93,23 @@ mod tests {
 
     #[test]
     fn two_classes_an_octave() {
-        let classes = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16].map(class_of);
-        assert_eq!(classes, [0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8]);
-        assert_eq!(class_of(u32::MAX), CLASSES - 1);
+        let small = [0, 1, 3, 4, 5, 6, 7, 8, 11, 12, 31].map(Class::of);
+        assert_eq!(small, [0, 1, 3, 4, 4, 5, 5, 6, 6, 7, 9].map(Class::Small));
+        assert_eq!(Class::of(32), Class::Large { class: 0, step_bits: 0 });
+        assert_eq!(Class::of(127), Class::Large { class: 3, step_bits: 1 });
+        assert_eq!(Class::of(i32::MAX), Class::Large { class: LARGE_CLASSES - 1, step_bits: 25 });
     }
 
     #[test]
-    fn the_cap_changes_no_class() {
-        assert_eq!(class_of(LARGEST.cast_unsigned()), CLASSES - 1);
-        let most = i64::from(LARGEST) * i64::from(3 * 4 + 4 * 2 + 2 + 6 * SIBLING + PARENT);
-        assert!(most <= i64::from(i32::MAX));
+    fn the_cap_lets_nothing_overflow() {
+        let most = magnitude(i32::MIN);
+        assert_eq!(most, 1 << 25);
+        assert!(i64::from(most) * 32 < i64::from(i32::MAX));
+    }
+
+    #[test]
+    fn fractions_are_symmetric() {
+        let fraction = |offset| Expected { value: 0, offset }.fraction();
+        assert_eq!([0, 31, -31, 32, -79, 80, 127, -128].map(fraction), [0, 0, 0, 1, 1, 2, 2, 2]);
     }
 }

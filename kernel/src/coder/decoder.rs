@@ -1,8 +1,8 @@
 //! The decoding direction of the arithmetic coder.
 
+use super::distribution::{Distribution, TOTAL_BITS};
 use super::encoder::{MIN_RANGE, RAW_BITS};
-use super::model::Probability;
-use super::{BinaryCoder, low_bits};
+use super::{Coder, low_bits, share_of_true};
 
 /// Bytes of a codeword that the decoder holds at a time, and so reads ahead.
 const WINDOW: usize = 4;
@@ -50,18 +50,31 @@ impl<'a> Decoder<'a> {
     }
 }
 
-impl BinaryCoder for Decoder<'_> {
+impl Coder for Decoder<'_> {
     #[inline(always)]
-    fn decide(&mut self, _: bool, probability: &mut Probability) -> bool {
-        let split = (self.range >> 16).wrapping_mul(probability.of_false());
-        let bit = self.code >= split;
+    fn symbol(&mut self, _: usize, distribution: &mut Distribution) -> usize {
+        let unit = self.range >> TOTAL_BITS;
+        // Rounding leaves a little of the interval to no symbol; no encoder points there.
+        let point = self.code.checked_div(unit).and_then(|point| i16::try_from(point).ok());
+        let symbol = distribution.find(point.unwrap_or(i16::MAX));
+        let share = distribution.share(symbol);
+        self.code = self.code.wrapping_sub(unit.wrapping_mul(share.below));
+        self.range = unit.wrapping_mul(share.size);
+        distribution.learn(symbol);
+        self.renormalize();
+        symbol
+    }
+
+    #[inline(always)]
+    fn decide(&mut self, _: bool, chance: u32) -> bool {
+        let share = share_of_true(self.range, chance);
+        let bit = self.code < share;
         if bit {
-            self.code = self.code.wrapping_sub(split);
-            self.range = self.range.wrapping_sub(split);
+            self.range = share;
         } else {
-            self.range = split;
+            self.code = self.code.wrapping_sub(share);
+            self.range = self.range.wrapping_sub(share);
         }
-        probability.learn(bit);
         self.renormalize();
         bit
     }

@@ -1,13 +1,13 @@
 //! The encoding direction of the arithmetic coder.
 
-use super::model::Probability;
-use super::{BinaryCoder, low_bits};
+use super::distribution::{Distribution, TOTAL_BITS};
+use super::{Coder, low_bits, share_of_true};
 
 /// Below this the interval is renormalized, a byte at a time.
 pub(super) const MIN_RANGE: u32 = 1 << 24;
 
 /// Raw bits coded in one go.
-pub(super) const RAW_BITS: u32 = 8;
+pub(super) const RAW_BITS: u32 = 12;
 
 /// Writes one codeword: a number in [0, 1), base 256, most significant byte first, trailing zero bytes left out.
 ///
@@ -121,17 +121,27 @@ impl<'a> Encoder<'a> {
     }
 }
 
-impl BinaryCoder for Encoder<'_> {
+impl Coder for Encoder<'_> {
     #[inline(always)]
-    fn decide(&mut self, bit: bool, probability: &mut Probability) -> bool {
-        let split = (self.range >> 16).wrapping_mul(probability.of_false());
+    fn symbol(&mut self, symbol: usize, distribution: &mut Distribution) -> usize {
+        let unit = self.range >> TOTAL_BITS;
+        let share = distribution.share(symbol);
+        self.add(unit.wrapping_mul(share.below));
+        self.range = unit.wrapping_mul(share.size);
+        distribution.learn(symbol);
+        self.renormalize();
+        symbol
+    }
+
+    #[inline(always)]
+    fn decide(&mut self, bit: bool, chance: u32) -> bool {
+        let share = share_of_true(self.range, chance);
         if bit {
-            self.add(split);
-            self.range = self.range.wrapping_sub(split);
+            self.range = share;
         } else {
-            self.range = split;
+            self.add(share);
+            self.range = self.range.wrapping_sub(share);
         }
-        probability.learn(bit);
         self.renormalize();
         bit
     }
@@ -156,41 +166,41 @@ impl BinaryCoder for Encoder<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Decoder;
+    use super::super::{Decoder, priors};
     use super::*;
 
-    fn encode(bits: &[bool], bytes: &mut [u8]) -> Option<usize> {
-        let mut probability = Probability::NEW;
+    fn encode(symbols: &[usize], bytes: &mut [u8]) -> Option<usize> {
+        let mut distribution = priors::LARGE;
         let mut encoder = Encoder::new(bytes);
-        for &bit in bits {
-            encoder.decide(bit, &mut probability);
-            encoder.raw(u32::from(bit) * 0xF_FFFF, 20);
+        for &symbol in symbols {
+            encoder.symbol(symbol, &mut distribution);
+            encoder.raw(if symbol > 7 { 0xF_FFFF } else { 0 }, 20);
         }
         encoder.finish()
     }
 
     #[test]
-    fn zeros_cost_nothing() {
-        let (mut probability, mut bytes) = (Probability::NEW, []);
+    fn the_first_symbol_alone_costs_nothing() {
+        let (mut distribution, mut bytes) = (priors::LARGE, []);
         let mut encoder = Encoder::new(&mut bytes);
         for _ in 0..10_000 {
-            encoder.decide(false, &mut probability);
+            encoder.symbol(0, &mut distribution);
         }
         assert_eq!(encoder.finish(), Some(0));
     }
 
     #[test]
     fn carries_run_through() {
-        // Ones drive the interval to the top, where a carry crosses many bytes of 0xFF.
+        // The last symbol drives the interval to the top, where a carry crosses many bytes of 0xFF.
         for count in 0..60 {
-            let mut bits = [true; 60];
-            bits[count] = false;
-            let mut bytes = [0; 256];
-            let len = encode(&bits, &mut bytes).unwrap();
-            let (mut probability, mut decoder) = (Probability::NEW, Decoder::new(&bytes[..len]).unwrap());
-            for bit in bits {
-                assert_eq!(decoder.decide(false, &mut probability), bit);
-                assert_eq!(decoder.raw(0, 20), u32::from(bit) * 0xF_FFFF);
+            let mut symbols = [15; 60];
+            symbols[count] = 0;
+            let mut bytes = [0; 512];
+            let len = encode(&symbols, &mut bytes).unwrap();
+            let (mut distribution, mut decoder) = (priors::LARGE, Decoder::new(&bytes[..len]).unwrap());
+            for symbol in symbols {
+                assert_eq!(decoder.symbol(0, &mut distribution), symbol);
+                assert_eq!(decoder.raw(0, 20), if symbol > 7 { 0xF_FFFF } else { 0 });
             }
             assert!(decoder.is_consumed());
         }
@@ -198,14 +208,14 @@ mod tests {
 
     #[test]
     fn a_short_output_is_noticed_and_never_overrun() {
-        let bits = [true, false, true, true, false, true, true, true];
+        let symbols = [9, 0, 12, 15, 3, 8, 14, 11];
         let mut bytes = [0; 64];
-        let len = encode(&bits, &mut bytes).unwrap();
+        let len = encode(&symbols, &mut bytes).unwrap();
         for room in 0..len {
-            assert_eq!(encode(&bits, &mut [0; 64][..room]), None);
+            assert_eq!(encode(&symbols, &mut [0; 64][..room]), None);
         }
         let mut exact = [0; 64];
-        assert_eq!(encode(&bits, &mut exact[..len]), Some(len));
+        assert_eq!(encode(&symbols, &mut exact[..len]), Some(len));
         assert_eq!(exact[..len], bytes[..len]);
     }
 }

@@ -1,10 +1,7 @@
-//! The values coded last in a subband, in scratch.
+//! The magnitudes of the residuals coded last in a subband, in scratch.
 
-use core::cell::Cell;
-
-use super::context::Around;
+use super::context::magnitude;
 use crate::memory::move_within;
-use crate::transform::Plan;
 
 /// Columns and rows of zeros kept around the values.
 const MARGIN: usize = 2;
@@ -12,178 +9,139 @@ const MARGIN: usize = 2;
 /// Rows that a subband of one plane keeps: two above, the current one, one below.
 const FLAT_ROWS: usize = 4;
 
-/// Rows that a subband of one row a plane keeps: the current one, and zeros for all around it.
-const LINE_ROWS: usize = 2;
-
-/// `i32`s of scratch that coding takes for the largest subband of `plan`: a history and a row of hints.
-pub(crate) const fn history_len(plan: &Plan) -> usize {
-    let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
-    let [x, _, _] = largest;
-    values_len(largest).saturating_add(x)
+/// `i32`s of scratch for a subband of `sides`.
+pub(super) const fn history_len([x, y, z]: [usize; 3]) -> usize {
+    let rows = if z == 1 { FLAT_ROWS } else { y.saturating_add(MARGIN + 1) };
+    stride(x).saturating_mul(rows)
 }
 
 const fn stride(x: usize) -> usize {
     x.saturating_add(2 * MARGIN)
 }
 
-const fn values_len([x, y, z]: [usize; 3]) -> usize {
-    let rows = match Kept::of([x, y, z]) {
-        Kept::Row => LINE_ROWS,
-        Kept::FourRows => FLAT_ROWS,
-        Kept::Plane => y.saturating_add(MARGIN + 1),
-    };
-    stride(x).saturating_mul(rows)
-}
-
-/// What a history keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kept {
-    Row,
-    FourRows,
-    Plane,
-}
-
-impl Kept {
-    /// What a subband of `sides` needs.
-    const fn of(sides: [usize; 3]) -> Self {
-        match sides {
-            [_, 1, _] => Self::Row,
-            [_, _, 1] => Self::FourRows,
-            _ => Self::Plane,
-        }
-    }
-}
-
-/// One plane of values within a margin of zeros.
+/// One plane of magnitudes within a margin of zeros.
 ///
 /// Up to the current coefficient they are those of the current plane, from there on still those of the plane before.
-/// A subband of one plane keeps four rows only, and moves them up after each; one of single rows keeps the last.
+/// A subband of one plane keeps four rows only, and moves them up after each.
 #[derive(Debug)]
 pub(super) struct History<'a> {
     values: &'a mut [i32],
     stride: usize,
-    kept: Kept,
+    one_plane: bool,
 }
 
 impl<'a> History<'a> {
-    /// An empty history for a subband of `sides`, and a row of hints, both out of `scratch`.
+    /// An empty history for a subband of `sides`, and the rest of `scratch`.
     pub(super) fn new(sides: [usize; 3], scratch: &'a mut [i32]) -> Option<(Self, &'a mut [i32])> {
-        let [x, _, _] = sides;
-        let (values, hints) = scratch.split_at_mut_checked(values_len(sides))?;
+        let [x, _, z] = sides;
+        let (values, rest) = scratch.split_at_mut_checked(history_len(sides))?;
         values.fill(0);
-        Some((Self { values, stride: stride(x), kept: Kept::of(sides) }, hints.get_mut(..x)?))
+        Some((Self { values, stride: stride(x), one_plane: z == 1 }, rest))
     }
 
-    /// The rows around row `y` of the current plane.
-    pub(super) fn rows(&mut self, y: usize) -> Option<Rows<'_>> {
-        let above = if self.kept == Kept::Plane { y.wrapping_mul(self.stride) } else { 0 };
-        let (north_north, rest) = self.values.get_mut(above..)?.split_at_mut_checked(self.stride)?;
-        if self.kept == Kept::Row {
-            let zeros = &*north_north;
-            let here = Cell::from_mut(rest).as_slice_of_cells();
-            return Some(Rows { north_north: zeros, north: zeros, here, south: zeros });
+    /// The first of the rows of which `y` is the third.
+    fn above(&self, y: usize) -> usize {
+        if self.one_plane { 0 } else { y.wrapping_mul(self.stride) }
+    }
+
+    /// Adds to `energies` what is known around each coefficient of row `y` but to its west:
+    /// 4 (N + U) + 2 (NW + NE + UE + US) + NN, of magnitudes, up being the plane before.
+    pub(super) fn add_energies(&self, y: usize, energies: &mut [i32]) -> Option<()> {
+        let (north_north, rest) = self.values.get(self.above(y)..)?.split_at_checked(self.stride)?;
+        let (north, rest) = rest.split_at_checked(self.stride)?;
+        let (up, rest) = rest.split_at_checked(self.stride)?;
+        let up_south = rest.get(..self.stride)?;
+        let columns = north_north.get(MARGIN..)?.iter().zip(up_south.get(MARGIN..)?);
+        let windows = north.array_windows::<5>().zip(up.array_windows::<5>());
+        for ((energy, (north, up)), (&north_north, &up_south)) in
+            energies.iter_mut().zip(windows).zip(columns)
+        {
+            let [_, north_west, north, north_east, _] = *north;
+            let [_, _, up, up_east, _] = *up;
+            let near = north.wrapping_add(up).wrapping_mul(4);
+            let next = north_west.wrapping_add(north_east).wrapping_add(up_east).wrapping_add(up_south);
+            let sum = near.wrapping_add(next.wrapping_mul(2)).wrapping_add(north_north);
+            *energy = energy.wrapping_add(sum);
         }
-        let (north, rest) = rest.split_at_mut_checked(self.stride)?;
-        let (here, rest) = rest.split_at_mut_checked(self.stride)?;
-        let south = rest.get(..self.stride)?;
-        Some(Rows { north_north, north, here: Cell::from_mut(here).as_slice_of_cells(), south })
+        Some(())
+    }
+
+    /// The places of the magnitudes of row `y`.
+    pub(super) fn row(&mut self, y: usize) -> Option<&mut [i32]> {
+        let start = self.above(y).wrapping_add(self.stride.wrapping_mul(2)).wrapping_add(MARGIN);
+        let end = start.wrapping_add(self.stride).wrapping_sub(2 * MARGIN);
+        self.values.get_mut(start..end)
     }
 
     /// Makes room for the next row.
     pub(super) fn end_row(&mut self) {
-        if self.kept != Kept::FourRows {
-            return;
+        if self.one_plane {
+            move_within(self.values, self.stride..self.values.len(), 0);
+            let below = self.stride.wrapping_mul(2);
+            self.values.get_mut(below..).unwrap_or(&mut []).fill(0);
         }
-        move_within(self.values, self.stride..self.values.len(), 0);
-        let below = self.stride.wrapping_mul(MARGIN);
-        self.values.get_mut(below..).unwrap_or(&mut []).fill(0);
     }
 }
 
-/// The rows of a [`History`] around the current one, margins included.
-#[derive(Debug)]
-pub(super) struct Rows<'a> {
-    north_north: &'a [i32],
-    north: &'a [i32],
-    here: &'a [Cell<i32>],
-    south: &'a [i32],
+/// The magnitudes of the last two residuals of the row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Last {
+    west: i32,
+    west_west: i32,
 }
 
-impl Rows<'_> {
-    /// For each coefficient of the row in turn: what is around it, and the place of its own value.
-    pub(super) fn places(&self) -> impl Iterator<Item = (Around, &Cell<i32>)> {
-        let columns = self.north_north.iter().skip(MARGIN).zip(self.south.iter().skip(MARGIN));
-        let windows = self.north.array_windows::<5>().zip(self.here.array_windows::<5>());
-        windows.zip(columns).map(
-            |((&[_, north_west, north, north_east, _], here), (&north_north, &south))| {
-                let [west_west, west, place, east, _] = here;
-                let around = Around {
-                    west: west.get(),
-                    north,
-                    up: place.get(),
-                    north_west,
-                    north_east,
-                    up_east: east.get(),
-                    up_south: south,
-                    west_west: west_west.get(),
-                    north_north,
-                };
-                (around, place)
-            },
-        )
+impl Last {
+    /// What they add to the energy around the next coefficient: 4 W + WW.
+    #[inline(always)]
+    pub(super) const fn energy(self) -> i32 {
+        self.west.wrapping_mul(4).wrapping_add(self.west_west)
+    }
+
+    /// Remembers a residual, and returns its magnitude.
+    #[inline(always)]
+    pub(super) fn push(&mut self, residual: i32) -> i32 {
+        *self = Self { west: magnitude(residual), west_west: self.west };
+        self.west
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Extent, Wavelet};
 
-    #[test]
-    fn a_brick_keeps_the_plane_before() {
-        let plan = Plan::new(Wavelet::Haar, Extent::brick(2, 2, 2).unwrap(), 0).unwrap();
-        let mut scratch = [0; 64];
-        let (mut history, _) = History::new([2, 2, 2], &mut scratch[..history_len(&plan)]).unwrap();
-        let mut next = 1;
-        for y in [0, 1, 0] {
-            for (_, place) in history.rows(y).unwrap().places() {
-                place.set(next);
-                next += 1;
-            }
-            history.end_row();
-        }
-        // Plane 0 holds 1 2 / 3 4; row 0 of plane 1 holds 5 6.
-        let rows = history.rows(1).unwrap();
-        let (first, _) = rows.places().next().unwrap();
-        assert_eq!([first.north, first.north_east, first.up, first.up_east, first.up_south], [5, 6, 3, 4, 0]);
-        let (last, _) = rows.places().nth(1).unwrap();
-        assert_eq!([last.west, last.north_west, last.north, last.up], [3, 5, 6, 4]);
+    fn fill(history: &mut History<'_>, y: usize, values: &[i32]) {
+        history.row(y).unwrap().copy_from_slice(values);
+        history.end_row();
     }
 
     #[test]
-    fn single_rows_keep_the_last() {
-        let mut scratch = [0; 16];
-        let (mut history, _) = History::new([2, 1, 2], &mut scratch).unwrap();
-        history.rows(0).unwrap().places().zip([5, 6]).for_each(|((_, place), value)| place.set(value));
-        history.end_row();
-        let rows = history.rows(0).unwrap();
-        let (first, place) = rows.places().next().unwrap();
-        assert_eq!([first.up, first.up_east, first.north, first.up_south, first.west], [5, 6, 0, 0, 0]);
-        place.set(7);
-        assert_eq!(rows.places().nth(1).map(|(second, _)| [second.west, second.up]), Some([7, 6]));
+    fn a_brick_keeps_the_plane_before() {
+        let mut scratch = [9; 64];
+        let (mut history, _) = History::new([2, 2, 2], &mut scratch).unwrap();
+        fill(&mut history, 0, &[1, 10]);
+        fill(&mut history, 1, &[100, 1000]);
+        fill(&mut history, 0, &[3, 5]);
+        let mut energies = [0, 1];
+        history.add_energies(1, &mut energies).unwrap();
+        // N = 3, U = 100, NE = 5, UE = 1000; then N = 5, U = 1000, NW = 3.
+        assert_eq!(energies, [4 * 103 + 2 * 1005, 1 + 4 * 1005 + 2 * 3]);
     }
 
     #[test]
     fn a_slice_keeps_two_rows() {
-        let mut scratch = [0; 64];
+        let mut scratch = [9; 64];
         let (mut history, _) = History::new([3, 9, 1], &mut scratch).unwrap();
-        for (row, value) in [(1, 1), (2, 2), (3, 3)] {
-            history.rows(row).unwrap().places().for_each(|(_, place)| place.set(value));
-            history.end_row();
+        for (y, value) in [(1, 1), (2, 10), (3, 100)] {
+            fill(&mut history, y, &[value; 3]);
         }
-        let rows = history.rows(3).unwrap();
-        let (middle, _) = rows.places().nth(1).unwrap();
-        assert_eq!([middle.north, middle.north_north, middle.north_west], [3, 2, 3]);
-        assert_eq!([middle.up, middle.up_east, middle.up_south, middle.west], [0; 4]);
+        let mut energies = [0; 3];
+        history.add_energies(4, &mut energies).unwrap();
+        assert_eq!(energies, [4 * 100 + 2 * 100 + 10, 4 * 100 + 4 * 100 + 10, 4 * 100 + 2 * 100 + 10]);
+    }
+
+    #[test]
+    fn energy_to_the_west() {
+        let mut last = Last::default();
+        assert_eq!((last.push(-3), last.energy(), last.push(5), last.energy()), (3, 12, 5, 23));
     }
 }

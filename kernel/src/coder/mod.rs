@@ -1,40 +1,56 @@
-//! The adaptive binary arithmetic coder and what it codes: coefficients, one subband after another.
+//! The adaptive arithmetic coder and what it codes: coefficients, one subband after another.
 //!
-//! Encoder and decoder run the *same* description of the codestream, [`scan`] and [`symbol`], over a
-//! [`BinaryCoder`]: the encoder is given each decision and returns it, the decoder ignores what it is given and
-//! returns what it reads. The two directions cannot drift apart.
+//! Encoder and decoder run the *same* description of the codestream, [`scan`] and [`residual`], over a [`Coder`]: the
+//! encoder is given each symbol and returns it, the decoder ignores what it is given and returns what it reads. The
+//! two directions cannot drift apart.
 
 mod choose;
 mod context;
 mod decoder;
+mod dense;
+mod distribution;
 mod encoder;
+
+mod forecast;
 mod history;
-mod model;
-mod predict;
-mod rows;
+mod lattice;
+mod mixing;
+mod predictor;
+mod priors;
+mod residual;
 mod scan;
-mod symbol;
+mod taps;
 mod train;
-mod weights;
+mod weightless;
 
 pub(crate) use decoder::Decoder;
+pub use dense::Dense;
 pub(crate) use encoder::Encoder;
-pub(crate) use history::history_len;
-pub(crate) use predict::Predictor;
-pub(crate) use scan::Coefficients;
-pub(crate) use symbol::Models;
-pub(crate) use train::Equations;
-pub(crate) use weights::{IN_PLANE, LARGEST_WEIGHT, WEIGHTS, Weights};
+pub use lattice::Lattice;
+pub(crate) use lattice::{Grid, LARGEST_SLACK, Precision, SHRINKING};
+pub(crate) use predictor::Predictor;
+pub(crate) use residual::Models;
+pub(crate) use scan::{Coefficients, scratch_len};
+pub use train::Training;
 
-pub(crate) use model::Probability;
+pub(crate) use distribution::Distribution;
 
 /// One direction of the arithmetic coder.
-pub(crate) trait BinaryCoder {
-    /// Codes one decision under an adaptive probability, and adapts it.
-    fn decide(&mut self, bit: bool, probability: &mut Probability) -> bool;
+pub(crate) trait Coder {
+    /// Codes one symbol under an adaptive distribution, and adapts it.
+    fn symbol(&mut self, symbol: usize, distribution: &mut Distribution) -> usize;
+
+    /// Codes one decision under the chance of true, 1 to 65535 in 1/65536.
+    fn decide(&mut self, bit: bool, chance: u32) -> bool;
 
     /// Codes the `count` (at most 32) low bits of `bits` as they are, half a chance each.
     fn raw(&mut self, bits: u32, count: u32) -> u32;
+}
+
+/// The part of an interval that stands for true under `chance`: neither nothing nor all of it.
+#[inline(always)]
+const fn share_of_true(range: u32, chance: u32) -> u32 {
+    (range >> 16).wrapping_mul(chance).wrapping_add((range & 0xFFFF).wrapping_mul(chance) >> 16)
 }
 
 /// The `count` (at most 32) low bits set.

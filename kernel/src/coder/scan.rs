@@ -1,12 +1,24 @@
 //! The order of coefficients within a resolution, and what is known when each is coded.
 
-use super::BinaryCoder;
-use super::context::{parent_hint, remembered, sibling_hint};
-use super::history::History;
-use super::predict::Predictor;
-use super::rows::RowsBefore;
-use super::symbol::Models;
+use super::Coder;
+use super::choose::Choosing;
+use super::context::magnitude;
+use super::forecast::{Forecast, RowMemory};
+use super::history::{History, Last, history_len};
+use super::predictor::Predictor;
+use super::residual::Models;
+use super::train::Training;
+use super::weightless::{FixedRow, RowsBefore};
 use crate::transform::{Plan, Subband};
+
+/// `i32`s of scratch that coding takes for the largest subband of `plan`.
+pub(crate) const fn scratch_len(plan: &Plan) -> usize {
+    let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
+    let [x, _, _] = largest;
+    let coding = history_len(largest).saturating_add(x).saturating_add(RowMemory::len(x));
+    let training = Training::scratch_len(x);
+    if coding > training { coding } else { training }
+}
 
 /// The coefficients of a plan in Mallat order, and scratch of [`Plan::scratch_len`].
 #[derive(Debug)]
@@ -14,71 +26,51 @@ pub(crate) struct Coefficients<'a> {
     pub(crate) plan: Plan,
     pub(crate) samples: &'a mut [i32],
     pub(crate) scratch: &'a mut [i32],
+    /// Whether samples have more than 16 bits.
+    pub(crate) wide: bool,
 }
 
 impl Coefficients<'_> {
-    /// Runs either direction of the coder over one resolution; the coarser ones are known already.
+    /// The predictor that an encoder chooses for a subband.
+    pub(crate) fn best_predictor(
+        &mut self,
+        subband: Subband,
+        training: Option<&mut Training>,
+    ) -> Option<Predictor> {
+        let (plan, coefficients) = (&self.plan, &*self.samples);
+        Choosing { plan, subband, coefficients, scratch: self.scratch, wide: self.wide }.best(training)
+    }
+
+    /// Runs either direction of the coder over one subband, for which an encoder has chosen `predictor`; the coarser
+    /// resolutions are known already, and their inverse transform is done.
     ///
-    /// `None` never happens: the plan and the lengths of the memory were checked at the door.
-    pub(crate) fn code<C: BinaryCoder>(
-        &mut self,
-        coder: &mut C,
-        models: &mut Models,
-        resolution: u8,
-        predictor: &Predictor,
-    ) -> Option<()> {
-        for subband in self.plan.subbands(resolution) {
-            if subband.orientation == 0 {
-                self.code_low_pass(coder, models, subband, predictor)?;
-            } else {
-                self.code_details(coder, models, subband)?;
-            }
-        }
-        Some(())
-    }
-
-    /// Codes what the prediction of the low-pass part leaves.
-    fn code_low_pass<C: BinaryCoder>(
-        &mut self,
-        coder: &mut C,
-        models: &mut Models,
-        low_pass: Subband,
-        predictor: &Predictor,
-    ) -> Option<()> {
-        let (mut history, _) = History::new(low_pass.sides, self.scratch)?;
-        for [y, z] in low_pass.rows() {
-            let (before, row) = self.samples.split_at_mut_checked(low_pass.row(&self.plan, y, z))?;
-            let before = RowsBefore::new(&self.plan, low_pass, [y, z], before);
-            let rows = history.rows(y)?;
-            let [mut west_west, mut west] = [None; 2];
-            for ((x, value), (around, place)) in row.iter_mut().enumerate().zip(rows.places()) {
-                let predicted = predictor.predict(&before, x, [west_west, west]);
-                let residual = models.code(coder, around.context(0), value.wrapping_sub(predicted));
-                place.set(remembered(residual));
-                *value = predicted.wrapping_add(residual);
-                [west_west, west] = [west, Some(*value)];
-            }
-            history.end_row();
-        }
-        Some(())
-    }
-
-    /// Codes the wavelet coefficients of one subband.
-    fn code_details<C: BinaryCoder>(
+    /// `None` if the codestream says what no encoder does.
+    pub(crate) fn code<C: Coder>(
         &mut self,
         coder: &mut C,
         models: &mut Models,
         subband: Subband,
+        predictor: Predictor,
     ) -> Option<()> {
-        let family = Family::new(&self.plan, subband);
-        let (mut history, hints) = History::new(subband.sides, self.scratch)?;
+        let predictor = predictor.code(coder, models, &self.plan, subband)?;
+        let [width, _, _] = subband.sides;
+        let (mut history, rest) = History::new(subband.sides, self.scratch)?;
+        let (energies, rest) = rest.split_at_mut_checked(width)?;
+        let mut memory = RowMemory::new(width, self.wide, rest)?;
         for [y, z] in subband.rows() {
-            family.hint(&self.plan, [y, z], self.samples, hints);
-            let row = self.samples.get_mut(subband.row(&self.plan, y, z)..)?;
-            let rows = history.rows(y)?;
-            for ((value, &hint), (around, place)) in row.iter_mut().zip(hints.iter()).zip(rows.places()) {
-                *value = models.code(coder, around.context(hint), *value);
-                place.set(remembered(*value));
+            hint(&self.plan, subband, [y, z], self.samples, energies);
+            history.add_energies(y, energies)?;
+            let start = subband.row(&self.plan, y, z);
+            let magnitudes = history.row(y)?;
+            if let Predictor::Fixed(fixed) = predictor {
+                let (before, row) = self.samples.split_at_mut_checked(start)?;
+                let before = RowsBefore::new(&self.plan, subband, [y, z], before);
+                let mut row = Row { values: row.get_mut(..width)?, energies, magnitudes };
+                row.code(coder, models, FixedRow::new(fixed, before));
+            } else {
+                let forecast = predictor.weighted(&self.plan, subband, self.samples, [y, z], &mut memory);
+                let values = self.samples.get_mut(start..start.wrapping_add(width))?;
+                Row { values, energies, magnitudes }.code(coder, models, forecast);
             }
             history.end_row();
         }
@@ -86,47 +78,46 @@ impl Coefficients<'_> {
     }
 }
 
-/// The subbands that are known and have something to say about one of wavelet coefficients.
+/// A row that is coded.
 #[derive(Debug)]
-struct Family {
-    /// Those of the same level and a lower orientation.
-    siblings: heapless::Vec<Subband, 6>,
-    /// That of the next coarser level and the same orientation.
-    parent: Option<Subband>,
+struct Row<'a> {
+    values: &'a mut [i32],
+    /// What is known around each value but to its west.
+    energies: &'a [i32],
+    /// For the magnitudes of residuals.
+    magnitudes: &'a mut [i32],
 }
 
-impl Family {
-    fn new(plan: &Plan, child: Subband) -> Self {
-        let resolution = plan.levels().wrapping_sub(child.level);
-        let mut siblings = heapless::Vec::new();
-        for sibling in plan.subbands(resolution).take_while(|sibling| sibling.orientation < child.orientation)
-        {
-            // At most six orientations are lower than the highest, so the list cannot overflow.
-            let _ = siblings.push(sibling);
+impl Row<'_> {
+    fn code<C: Coder>(&mut self, coder: &mut C, models: &mut Models, mut forecast: impl Forecast) {
+        let mut last = Last::default();
+        let places = self.energies.iter().zip(self.magnitudes.iter_mut());
+        for ((x, value), (energy, magnitude)) in self.values.iter_mut().enumerate().zip(places) {
+            let expected = forecast.expected(x);
+            let residual = value.wrapping_sub(expected.value);
+            let residual = models.code(coder, energy.wrapping_add(last.energy()), expected, residual);
+            *magnitude = last.push(residual);
+            *value = expected.value.wrapping_add(residual);
+            forecast.push(*value);
         }
-        let mut coarser = plan.subbands(resolution.wrapping_sub(1));
-        Self { siblings, parent: coarser.find(|parent| parent.orientation == child.orientation) }
     }
+}
 
-    /// Writes what the family says about row `y` of plane `z`: the weighted magnitudes at the same place.
-    fn hint(&self, plan: &Plan, [y, z]: [usize; 2], samples: &[i32], hints: &mut [i32]) {
-        hints.fill(0);
-        let row_of = |subband: &Subband, y: usize, z: usize| {
-            let [width, height, depth] = subband.sides;
-            let start = subband.row(plan, y, z);
-            if y < height && z < depth { samples.get(start..start.wrapping_add(width)) } else { None }
-        };
-        for row in self.siblings.iter().filter_map(|sibling| row_of(sibling, y, z)) {
-            for (hint, &value) in hints.iter_mut().zip(row) {
-                *hint = hint.wrapping_add(sibling_hint(value));
-            }
-        }
-        if let Some(row) = self.parent.as_ref().and_then(|parent| row_of(parent, y / 2, z / 2)) {
-            let children = hints.chunks_mut(2);
-            for (children, &value) in children.zip(row) {
-                for hint in children {
-                    *hint = hint.wrapping_add(parent_hint(value));
-                }
+/// Weight of a sibling's magnitude in the energy.
+const SIBLING: i32 = 3;
+
+/// Sets `energies` to what the subbands of a lower orientation say about row `y` of plane `z`: the weighted magnitudes
+/// at the same place.
+fn hint(plan: &Plan, subband: Subband, [y, z]: [usize; 2], samples: &[i32], energies: &mut [i32]) {
+    energies.fill(0);
+    let siblings = (1..subband.orientation).filter_map(|orientation| plan.sibling(subband, orientation));
+    for sibling in siblings {
+        let [width, height, depth] = sibling.sides;
+        let start = sibling.row(plan, y, z);
+        if y < height && z < depth {
+            let row = samples.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+            for (energy, &value) in energies.iter_mut().zip(row) {
+                *energy = energy.wrapping_add(magnitude(value).wrapping_mul(SIBLING));
             }
         }
     }

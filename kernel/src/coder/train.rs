@@ -1,98 +1,222 @@
-//! Training of the predictor's weights: weighted least squares by its normal equations, in integers.
+//! Training of a predictor's weights: weighted least squares by its normal equations, in integers.
 
-use super::rows::each_sample;
-use super::weights::{Differences, FRACTION_BITS, LARGEST_WEIGHT, WEIGHTS, Weights};
-use crate::transform::{Plan, Subband};
+use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights, pad};
+use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
 
-/// Samples that are trained on, about: of larger low-pass parts only every so many rows, of longer rows the first.
-const SAMPLES: usize = 1 << 14;
+/// Coefficients of the low-pass part that are trained on, about: of larger ones only every so many rows, of longer rows
+/// the first.
+const TRAINED_ON: usize = 1 << 13;
 
-/// Bits that samples are brought down to, all by the same shift, so that no sum of products overflows.
-const SAMPLE_BITS: u32 = 15;
+/// Coefficients of a subband of details that are trained on.
+const DETAILS_TRAINED_ON: usize = 1 << 11;
 
-/// Bits of the weight of a sample in the equations.
-const SAMPLE_WEIGHT_BITS: u32 = 14;
+/// Times that the weights are trained: coefficients that the last found hard to predict count less.
+const ROUNDS: usize = 2;
 
-/// Bits that the entries are brought down to before the equations are solved.
-const ENTRY_BITS: u32 = 30;
+/// Neighbouring coefficients whose equations are set up together.
+const LANES: usize = 32;
+
+/// Differences are brought down so that the usual one has this many bits, and limited to [`LARGEST`].
+const USUAL_BITS: u32 = 8;
+
+/// The largest difference: the sum of [`LANES`] products of two does not overflow.
+const LARGEST: i32 = (1 << 13) - 1;
+
+/// Bits of a difference as large as the mean of those around it.
+const NORMAL_BITS: u32 = 7;
+
+/// Bits that the entries of the diagonal are brought to before the equations are solved, or one less.
+const ENTRY_BITS: i32 = 30;
 
 /// What is added to the diagonal, as a fraction: 2^-13.
 const RIDGE_BITS: u32 = 13;
 
-/// Differences per sample.
-const TAPS: i64 = 19;
-const _: () = assert!(WEIGHTS == 19);
+/// And added to it beside that: 2^10.
+const RIDGE_MIN_BITS: u32 = 10;
 
 /// Fraction bits of the factors and of the solution.
-const FACTOR_BITS: u32 = 18;
+const FACTOR_BITS: i32 = 18;
 
-/// The normal equations of the weights: entry (r, c), c <= r, of their symmetric matrix, and the right-hand sides.
+/// Those of the solution beyond the weights', but one for rounding.
+const EXCESS_BITS: i32 = FACTOR_BITS - FRACTION_BITS.cast_signed() - 1;
+
+/// Entries of a triangular matrix.
+const ENTRIES: usize = WEIGHTS * (WEIGHTS + 1) / 2;
+
+/// The memory in which an encoder trains predictors, of fixed size.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Equations {
-    matrix: [[i64; WEIGHTS]; WEIGHTS],
+pub struct Training {
+    /// Entry (r, c), c <= r, of the symmetric matrix of the normal equations, row by row.
+    matrix: [i64; ENTRIES],
     right: [i64; WEIGHTS],
+    /// The neighbours of some coefficients, by weight.
+    neighbours: [[i16; LANES]; WEIGHTS],
+    /// The coefficients themselves.
+    targets: [i16; LANES],
 }
 
-impl Equations {
+impl Training {
+    /// Memory that can be the value of a `static`.
     #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
-    pub(crate) const NEW: Self = Self { matrix: [[0; WEIGHTS]; WEIGHTS], right: [0; WEIGHTS] };
+    pub const NEW: Self = Self {
+        matrix: [0; ENTRIES],
+        right: [0; WEIGHTS],
+        neighbours: [[0; LANES]; WEIGHTS],
+        targets: [0; LANES],
+    };
 
-    /// Makes `self` equal to [`Equations::NEW`].
-    pub(crate) fn reset(&mut self) {
-        self.matrix.as_flattened_mut().fill(0);
-        self.right.fill(0);
+    /// `i32`s of scratch that training takes for rows of `width`.
+    pub(super) const fn scratch_len(width: usize) -> usize {
+        width.saturating_add(2 * REACH).saturating_mul(2)
     }
 
-    /// The weights that suit the low-pass part of `coefficients`.
-    pub(super) fn train(&mut self, plan: &Plan, low_pass: Subband, coefficients: &[i32]) -> Weights {
+    /// The weights that suit the coefficients of a subband, learnt from some of them.
+    pub(super) fn train(&mut self, taps: &Taps, coefficients: &[i32], scratch: &mut [i32]) -> Weights {
+        let ([width, height, _], planes) = (taps.subband.sides, taps.numbers());
+        let every = width.wrapping_mul(height).wrapping_mul(planes.len()).div_ceil(trained_on(taps)) | 1;
+        // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
+        // is no other.
+        let rows = planes.flat_map(|z| (usize::from(height > 1)..height).map(move |y| [y, z])).step_by(every);
+        let shift = usual_bits(taps, coefficients, rows.clone()).saturating_sub(USUAL_BITS);
         let mut weights = Weights::ZERO;
-        self.gather(plan, low_pass, coefficients, true);
-        self.solve(&mut weights.first);
-        self.gather(plan, low_pass, coefficients, false);
-        self.solve(&mut weights.rest);
-        self.reset();
+        for round in 0..ROUNDS {
+            self.matrix.fill(0);
+            self.right.fill(0);
+            let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
+            let known = (round > 0).then_some(&*used);
+            for place in rows.clone() {
+                self.add_row(taps, coefficients, place, (shift, known), scratch);
+            }
+            self.solve(used);
+        }
+        if taps.is_low_pass() {
+            recentre(taps, coefficients, &mut weights);
+        }
+        limit(&mut weights.0);
         weights
     }
 
-    /// Sets up the equations of the first plane, or of all others.
-    fn gather(&mut self, plan: &Plan, low_pass: Subband, coefficients: &[i32], first_plane: bool) {
-        self.reset();
-        let [width, height, depth] = low_pass.sides;
-        let planes = if first_plane { 1 } else { depth.saturating_sub(1) };
-        // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
-        // is no other.
-        let every = width.wrapping_mul(height).wrapping_mul(planes).div_ceil(SAMPLES) | 1;
-        let learned_from = |&[y, z]: &[usize; 2]| (y > 0 || height == 1) && (z == 0) == first_plane;
-        let rows = low_pass.rows().filter(learned_from).step_by(every);
-        let shift = excess_bits(coefficients);
-        each_sample(plan, low_pass, coefficients, rows, SAMPLES, |before, x, wests, value| {
-            self.add(&Differences::new(before, x, wests), value, shift);
-        });
+    /// Adds the coefficients of one row.
+    #[expect(
+        clippy::large_stack_frames,
+        reason = "the lint counts every copy of an iterator; the frame is far smaller"
+    )]
+    fn add_row(
+        &mut self,
+        taps: &Taps,
+        coefficients: &[i32],
+        place: [usize; 2],
+        (shift, weights): (u32, Option<&[i16]>),
+        scratch: &mut [i32],
+    ) -> Option<()> {
+        let width = taps.row_len();
+        let (own, rest) = scratch.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
+        let (padded, _) = rest.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
+        let known = taps.known(coefficients, place);
+        let reference = known.first().and_then(|row| row.coefficients.first().copied());
+        let row = taps.own_row(coefficients, place)?;
+        pad(row, width, own, |coefficient| coefficient);
+        own.get_mut(..REACH)?.fill(if taps.is_low_pass() { reference.unwrap_or(0) } else { 0 });
+        let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
+        for start in (0..width.min(trained_on(taps))).step_by(LANES) {
+            self.neighbours.as_flattened_mut().fill(0);
+            self.targets.fill(0);
+            let west = own.get(start.wrapping_add(REACH - 1)..)?;
+            let lanes = width.wrapping_sub(start).min(LANES);
+            let reference = if taps.is_low_pass() { west } else { &[] };
+            let fill = |slots: &mut [i16; LANES], values: &[i32], reference: &[i32]| {
+                differences(slots.get_mut(..lanes).unwrap_or(&mut []), values, reference, shift);
+            };
+            fill(&mut self.targets, row.get(start..)?, reference);
+            let of_west = if taps.is_low_pass() { 1 } else { 0 };
+            for (slots, step) in self.neighbours.iter_mut().zip(of_west..WEST) {
+                fill(slots, own.get(start.wrapping_add(REACH - 1).wrapping_sub(step)..)?, reference);
+            }
+            for row in &known {
+                pad(row.coefficients, width, padded, |coefficient| coefficient);
+                let window = padded.get(start.wrapping_add(REACH).wrapping_sub(row.reach())..)?;
+                let centre = centre(&known, row.deep()).and_then(|centre| centre.coefficients.get(start..));
+                let reference = match centre {
+                    _ if row.is_low() => low.get(start..).unwrap_or(&[]),
+                    Some(centre) if taps.is_low_pass() => centre,
+                    _ => reference,
+                };
+                let slots = self.neighbours.iter_mut().skip(row.first_weight);
+                for (slots, step) in slots.zip(0..row.len()) {
+                    fill(slots, window.get(step..)?, reference);
+                }
+                if taps.is_low_pass() && row.is_central(row.deep()) {
+                    let nearer = self::centre(&known, row.deep().wrapping_add(1));
+                    let nearer = nearer.and_then(|nearer| nearer.coefficients.get(start..)).unwrap_or(west);
+                    let slots = self.neighbours.get_mut(row.central_weight())?;
+                    fill(slots, row.coefficients.get(start..)?, nearer);
+                }
+            }
+            self.add_block(taps.weights(), weights);
+        }
+        Some(())
     }
 
-    /// Adds one sample, which counts inversely to the mean size of its differences, so that a few edges do not
-    /// outweigh everything else.
-    fn add(&mut self, differences: &Differences, value: i32, shift: u32) {
-        let target = i64::from(value.wrapping_sub(differences.reference) >> shift);
-        let differences = differences.values.map(|difference| i64::from(difference >> shift));
-        let size =
-            differences.iter().fold(0, |sum: i64, difference| sum.wrapping_add(difference.wrapping_abs()));
-        let weight = (TAPS << SAMPLE_WEIGHT_BITS).checked_div(size.wrapping_add(TAPS)).unwrap_or(0);
-        for ((row, right), (count, &difference)) in
-            self.matrix.iter_mut().zip(&mut self.right).zip((1..).zip(&differences))
-        {
-            let weighted = difference.wrapping_mul(weight);
-            for (entry, &other) in row.iter_mut().zip(&differences).take(count) {
-                *entry = entry.wrapping_add(weighted.wrapping_mul(other));
+    /// Adds a block of coefficients, each of which counts inversely to the size of its residual under the `weights` so
+    /// far, or at first to the mean size of its differences: a few edges must not outweigh everything else.
+    fn add_block(&mut self, count: usize, weights: Option<&[i16]>) {
+        let factors = match weights {
+            Some(weights) => self.residual_factors(weights),
+            None => self.difference_factors(count),
+        };
+        let mut entries = self.matrix.iter_mut();
+        for (r, (row, right)) in self.neighbours.iter().zip(&mut self.right).take(count).enumerate() {
+            let mut weighted = [0_i16; LANES];
+            for ((weighted, &difference), factor) in weighted.iter_mut().zip(row).zip(factors) {
+                *weighted = low_half(i32::from(difference).wrapping_mul(factor).wrapping_add(128) >> 8);
             }
-            *right = right.wrapping_add(weighted.wrapping_mul(target));
+            for (other, entry) in self.neighbours.iter().take(r.wrapping_add(1)).zip(entries.by_ref()) {
+                *entry = entry.wrapping_add(dot(&weighted, other).into());
+            }
+            *right = right.wrapping_add(dot(&weighted, &self.targets).into());
         }
     }
 
+    /// Factors, in 1/256, that bring the differences of a coefficient to a mean of 2^[`NORMAL_BITS`].
+    fn difference_factors(&self, count: usize) -> [i32; LANES] {
+        let mut sizes = [0_i32; LANES];
+        for row in self.neighbours.iter().take(count) {
+            for (size, &difference) in sizes.iter_mut().zip(row) {
+                *size = size.wrapping_add(i32::from(difference).wrapping_abs());
+            }
+        }
+        let count = i32::try_from(count).unwrap_or(1);
+        let unit = (count << NORMAL_BITS) << 8;
+        sizes.map(|size| unit.checked_div(size.wrapping_add(count)).unwrap_or(0))
+    }
+
+    /// Factors, in 1/256, inverse to the residuals, but none that makes a difference larger than [`LARGEST`].
+    fn residual_factors(&self, weights: &[i16]) -> [i32; LANES] {
+        let mut residuals = self.targets.map(|target| i32::from(target) << FRACTION_BITS);
+        let mut largest = [1_i16; LANES];
+        for (row, &weight) in self.neighbours.iter().zip(weights) {
+            for ((residual, largest), &difference) in residuals.iter_mut().zip(&mut largest).zip(row) {
+                *residual = residual.wrapping_sub(i32::from(difference).wrapping_mul(weight.into()));
+                *largest = difference.wrapping_abs().max(*largest);
+            }
+        }
+        let mut factors = [0_i32; LANES];
+        for ((factor, residual), largest) in factors.iter_mut().zip(residuals).zip(largest) {
+            let size = (residual.wrapping_abs() >> FRACTION_BITS).wrapping_add(1);
+            let most = (LARGEST << 8).checked_div(largest.into()).unwrap_or(0);
+            *factor = (1_i32 << (NORMAL_BITS + 8)).checked_div(size).unwrap_or(0).min(most);
+        }
+        factors
+    }
+
     /// Solves the leading equations for as many weights: elimination, then substitution, in fixed point.
+    #[expect(
+        clippy::large_stack_frames,
+        reason = "the lint counts every copy of an iterator; the frame is far smaller"
+    )]
     fn solve(&mut self, weights: &mut [i16]) {
-        self.condition();
         let n = weights.len();
+        let scales = self.condition(n);
         for pivot in 0..n {
             for row in pivot.wrapping_add(1)..n {
                 self.eliminate(pivot, row);
@@ -107,37 +231,43 @@ impl Equations {
             let x = right.wrapping_sub(sum).checked_div(self.at(row, row)).unwrap_or(0);
             solution.iter_mut().skip(row).take(1).for_each(|slot| *slot = x);
         }
-        for (weight, x) in weights.iter_mut().zip(solution) {
-            let rounded =
-                x.wrapping_add(1 << (FACTOR_BITS - FRACTION_BITS - 1)) >> (FACTOR_BITS - FRACTION_BITS);
+        for ((weight, x), scale) in weights.iter_mut().zip(solution).zip(scales) {
+            let rounded = shifted(x, scale.wrapping_sub(EXCESS_BITS)).wrapping_add(1) >> 1;
             let largest = i64::from(LARGEST_WEIGHT);
             *weight = i16::try_from(rounded.clamp(largest.wrapping_neg(), largest)).unwrap_or(0);
         }
     }
 
-    /// Adds a little to the diagonal, so that the equations have one solution, and brings all entries down to
-    /// [`ENTRY_BITS`].
-    fn condition(&mut self) {
-        let mut largest = self.right.iter().fold(0, |largest: i64, right| right.wrapping_abs().max(largest));
-        for (i, row) in self.matrix.iter_mut().enumerate() {
-            for entry in row.iter_mut().skip(i).take(1) {
-                *entry = entry.wrapping_add(*entry >> RIDGE_BITS).wrapping_add(1 << SAMPLE_WEIGHT_BITS);
-                largest = (*entry).max(largest);
-            }
+    /// Adds a little to the diagonal, so that the equations have one solution, and brings all unknowns to one scale.
+    /// Returns by how many bits each was shifted.
+    fn condition(&mut self, n: usize) -> [i32; WEIGHTS] {
+        let mut scales = [0_i32; WEIGHTS];
+        for (i, scale) in scales.iter_mut().enumerate().take(n) {
+            let Some(entry) = self.matrix.get_mut(index(i, i)) else { continue };
+            *entry = entry.wrapping_add(*entry >> RIDGE_BITS).wrapping_add(1 << RIDGE_MIN_BITS);
+            let bits = i64::BITS.wrapping_sub(entry.leading_zeros()).cast_signed();
+            *scale = ENTRY_BITS.wrapping_sub(bits).div_euclid(2);
         }
-        let bits = i64::BITS.wrapping_sub(largest.leading_zeros());
-        let shift = bits.saturating_sub(ENTRY_BITS);
-        let entries = self.matrix.as_flattened_mut().iter_mut().chain(&mut self.right);
-        entries.for_each(|entry| *entry >>= shift);
+        let mut entries = self.matrix.iter_mut();
+        for (r, (&row_scale, right)) in scales.iter().zip(&mut self.right).enumerate().take(n) {
+            for (scale, entry) in scales.iter().take(r.wrapping_add(1)).zip(entries.by_ref()) {
+                *entry = shifted(*entry, scale.wrapping_add(row_scale));
+            }
+            *right = shifted(*right, row_scale);
+        }
+        scales
     }
 
     /// Takes the multiple of equation `pivot` from equation `row` that frees it of unknown `pivot`.
     fn eliminate(&mut self, pivot: usize, row: usize) {
-        let divisor = self.at(pivot, pivot);
-        let factor = (self.at(row, pivot) << FACTOR_BITS).checked_div(divisor).unwrap_or(0);
+        let dividend = self.at(row, pivot) << FACTOR_BITS;
+        let factor = dividend.checked_div(self.at(pivot, pivot)).unwrap_or(0);
+        if factor == 0 {
+            return;
+        }
         for column in pivot.wrapping_add(1)..=row {
             let part = factor.wrapping_mul(self.at(column, pivot)) >> FACTOR_BITS;
-            if let Some(entry) = self.matrix.get_mut(row).and_then(|entries| entries.get_mut(column)) {
+            if let Some(entry) = self.matrix.get_mut(index(row, column)) {
                 *entry = entry.wrapping_sub(part);
             }
         }
@@ -149,52 +279,165 @@ impl Equations {
 
     /// Entry (`row`, `column`), `column` <= `row`.
     fn at(&self, row: usize, column: usize) -> i64 {
-        self.matrix.get(row).and_then(|entries| entries.get(column)).copied().unwrap_or(0)
+        self.matrix.get(index(row, column)).copied().unwrap_or(0)
     }
 }
 
-/// Bits by which the largest of the samples exceeds [`SAMPLE_BITS`].
-fn excess_bits(samples: &[i32]) -> u32 {
-    let all = samples.iter().fold(0, |all, sample| all | sample.unsigned_abs());
-    u32::BITS.wrapping_sub(all.leading_zeros()).saturating_sub(SAMPLE_BITS)
+/// Where entry (`row`, `column`), `column` <= `row`, is.
+const fn index(row: usize, column: usize) -> usize {
+    (row.wrapping_mul(row.wrapping_add(1)) / 2).wrapping_add(column)
+}
+
+/// Sets `slots` to `values` less `reference` (or 0), brought down by `shift` and limited.
+fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32) {
+    let limited = |difference: i32| low_half((difference >> shift).clamp(-LARGEST, LARGEST));
+    if reference.is_empty() {
+        slots.iter_mut().zip(values).for_each(|(slot, &value)| *slot = limited(value));
+    } else {
+        let pairs = values.iter().zip(reference);
+        slots
+            .iter_mut()
+            .zip(pairs)
+            .for_each(|(slot, (value, reference))| *slot = limited(value.wrapping_sub(*reference)));
+    }
+}
+
+/// The sum of products.
+fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
+    a.iter().zip(b).fold(0, |sum: i32, (&a, &b)| sum.wrapping_add(i32::from(a).wrapping_mul(b.into())))
+}
+
+/// The low 16 bits.
+#[inline(always)]
+const fn low_half(value: i32) -> i16 {
+    let [a, b, ..] = value.to_le_bytes();
+    i16::from_le_bytes([a, b])
+}
+
+/// `value` times 2^`bits`.
+const fn shifted(value: i64, bits: i32) -> i64 {
+    if bits < 0 { value >> bits.unsigned_abs() } else { value << bits }
+}
+
+/// Coefficients that are trained on, about.
+const fn trained_on(taps: &Taps) -> usize {
+    if taps.is_low_pass() { TRAINED_ON } else { DETAILS_TRAINED_ON }
+}
+
+/// Bits of the mean difference of neighbours in a row, or of the mean coefficient in a subband of details.
+fn usual_bits(taps: &Taps, coefficients: &[i32], rows: impl Iterator<Item = [usize; 2]>) -> u32 {
+    let (mut sum, mut count) = (0_u64, 0_u64);
+    for row in rows.filter_map(|place| taps.own_row(coefficients, place)) {
+        for pair in row.array_windows::<2>() {
+            let [west, here] = pair;
+            let size = if taps.is_low_pass() { here.wrapping_sub(*west) } else { *here };
+            sum = sum.wrapping_add(size.unsigned_abs().into());
+            count = count.wrapping_add(1);
+        }
+    }
+    sum.checked_div(count).and_then(u64::checked_ilog2).map_or(0, |octave| octave.wrapping_add(1))
+}
+
+/// The row of plane `deep` at the same y.
+fn centre<'a, 'b>(known: &'a KnownRows<'b>, deep: isize) -> Option<&'a Known<'b>> {
+    known.iter().find(|row| row.is_central(deep) && deep != 0)
+}
+
+/// Makes weights of differences from W out of those they are trained as: differences of the neighbours in a plane
+/// before from the centre of that plane, of the first centre from W, and of each other from the centre before.
+fn recentre(taps: &Taps, coefficients: &[i32], weights: &mut Weights) {
+    let [_, height, _] = taps.subband.sides;
+    let place = [height / 2, taps.numbers().end.wrapping_sub(1)];
+    let known = taps.known(coefficients, place);
+    let trained = weights.0;
+    let mut subtract = |from: Option<&Known<'_>>, weight: i16| {
+        if let Some(slot) = from.and_then(|row| weights.0.get_mut(row.central_weight())) {
+            *slot = slot.saturating_sub(weight);
+        }
+    };
+    for row in &known {
+        let of_row = trained.iter().enumerate().skip(row.first_weight).take(row.len());
+        for (place, &weight) in of_row {
+            let is_centre = row.is_central(row.deep()) && place == row.central_weight();
+            subtract(centre(&known, row.deep().wrapping_add(isize::from(is_centre))), weight);
+        }
+    }
+}
+
+/// Brings weights down to where their sum is allowed.
+fn limit(weights: &mut [i16]) {
+    let sum = |weights: &[i16]| {
+        weights.iter().fold(0, |sum: i32, weight| sum.wrapping_add(i32::from(weight.unsigned_abs())))
+    };
+    for weight in weights.iter_mut() {
+        *weight = (*weight).clamp(LARGEST_WEIGHT.wrapping_neg(), LARGEST_WEIGHT);
+    }
+    while sum(weights) > LARGEST_SUM {
+        weights.iter_mut().for_each(|weight| *weight /= 2);
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::taps::Planes;
     use super::*;
-    use crate::{Extent, Wavelet};
+    use crate::{Extent, Plan, Wavelet};
+
+    fn trained(plan: &Plan, planes: Planes, samples: &[i32]) -> Weights {
+        let taps = Taps::new(plan, plan.subbands(0).next().unwrap(), planes).unwrap();
+        { Training::NEW }.train(&taps, samples, &mut [0; 256])
+    }
+
+    /// Noise of -2048 to 2047.
+    fn noise(seed: &mut u32) -> i32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 20).cast_signed() - 2048
+    }
 
     #[test]
     fn a_linear_rule_is_found() {
         // Every sample is the mean of west and north, and noise.
-        let plan = Plan::new(Wavelet::Haar, Extent::slice(32, 31).unwrap(), 0).unwrap();
-        let mut samples: heapless::Vec<i32, 992> = heapless::Vec::new();
-        let mut seed = 1_u32;
-        for i in 0..992 {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let noise = (seed >> 20).cast_signed() - 2048;
-            let mean =
-                if i % 32 == 0 || i < 32 { 0 } else { (samples[i - 1] + samples[i - 32]).div_euclid(2) };
-            samples.push(mean + noise).unwrap();
+        let plan = Plan::new(Wavelet::Haar, Extent::slice(64, 63).unwrap(), 0).unwrap();
+        let mut samples: heapless::Vec<i32, 4032> = heapless::Vec::new();
+        samples.resize(64 * 63, 0).unwrap();
+        let mut seed = 1;
+        for i in 65..samples.len() {
+            samples[i] = (samples[i - 1] + samples[i - 64]).div_euclid(2) + noise(&mut seed);
         }
-        let low_pass = plan.subbands(0).next().unwrap();
-        let mut equations = Equations::NEW;
-        let weights = equations.train(&plan, low_pass, &samples);
-        // N is the third of the window of five that follows WW: its weight is near 128 / 256, the others' near 0.
-        for (i, weight) in weights.first.into_iter().enumerate() {
-            let expected = if i == 3 { 128 } else { 0 };
-            assert!((i32::from(weight) - expected).abs() < 40, "{:?}", weights.first);
+        let weights = trained(&plan, Planes::First, &samples);
+        // WW, WWW, then N in the middle of seven.
+        for (i, weight) in weights.0.into_iter().enumerate() {
+            let expected = if i == 5 { 128 } else { 0 };
+            assert!((i32::from(weight) - expected).abs() < 40, "{:?}", weights.0);
         }
-        assert_eq!(weights.rest, [0; WEIGHTS]);
+    }
+
+    #[test]
+    fn planes_far_apart_do_not_hide_what_they_share() {
+        // The last plane is the one before and 100,000, up to noise.
+        let plan = Plan::new(Wavelet::Haar, Extent::brick(32, 32, 2).unwrap(), 0).unwrap();
+        let mut samples: heapless::Vec<i32, 2048> = heapless::Vec::new();
+        samples.resize(2048, 0).unwrap();
+        let mut seed = 1;
+        for i in 0..1024 {
+            samples[i] = noise(&mut seed);
+            samples[i + 1024] = samples[i] + 100_000 + noise(&mut seed) / 64;
+        }
+        let weights = trained(&plan, Planes::Others, &samples);
+        let subband = plan.subbands(0).next().unwrap();
+        let taps = Taps::new(&plan, subband, Planes::Others).unwrap();
+        let known = taps.known(&samples, [16, 1]);
+        let up = known.iter().find(|row| row.is_central(-1)).unwrap().central_weight();
+        assert!(weights.0[up] > 200, "{:?}", weights.0);
     }
 
     #[test]
     fn extremes_do_not_panic() {
         let plan = Plan::new(Wavelet::Haar, Extent::brick(4, 4, 4).unwrap(), 0).unwrap();
         let samples: [i32; 64] = core::array::from_fn(|i| if i % 3 == 0 { i32::MIN } else { i32::MAX });
-        let low_pass = plan.subbands(0).next().unwrap();
-        let mut equations = Equations::NEW;
-        equations.train(&plan, low_pass, &samples);
-        assert_eq!(equations, Equations::NEW);
+        for planes in [Planes::First, Planes::Others] {
+            let weights = trained(&plan, planes, &samples).0;
+            assert!(weights.iter().map(|weight| i32::from(weight.abs())).sum::<i32>() <= LARGEST_SUM);
+        }
     }
 }

@@ -2,13 +2,13 @@
 
 use heapless::Vec;
 
-use crate::coder::{IN_PLANE, LARGEST_WEIGHT, Predictor, WEIGHTS, Weights};
+use crate::coder::{LARGEST_SLACK, SHRINKING};
 use crate::extent::to_usize;
 use crate::memory::copy;
-use crate::{DecodeError, Extent, Malformed, Plan, SampleType, Wavelet};
+use crate::{DecodeError, Dense, Extent, Lattice, Malformed, Plan, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
-pub(crate) const VERSION: u8 = 1;
+pub(crate) const VERSION: u8 = 2;
 
 /// The first two bytes of every codestream.
 pub(crate) const MAGIC: [u8; 2] = *b"wL";
@@ -26,10 +26,15 @@ pub(super) type Segments = Vec<u32, MAX_SEGMENTS>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) enum Storage {
-    /// As coefficients, one segment per resolution; the low-pass part is predicted.
-    Coded(Predictor),
+    /// As coefficients, one segment per resolution.
+    Coded,
+    /// Under what is learnt from all samples before, in one segment.
+    Dense,
     /// As they are, little-endian, in one segment.
     Stored,
+    /// As residuals of finer and finer lattices, one segment per lattice: no further off than `slack`, in steps that
+    /// shrink from level to level by rule `shrinking`.
+    Lattice { slack: u32, shrinking: u8 },
 }
 
 /// What a codestream holds, and where.
@@ -65,8 +70,11 @@ impl Header {
         }
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
-        let plan = fields.plan(wavelet)?;
-        let storage = fields.weights(storage, &plan)?;
+        let plan = fields.plan(wavelet, storage)?;
+        if storage == Storage::Dense && plan.levels() > 0 {
+            return Err(Malformed::Levels.into());
+        }
+        let storage = fields.precision(storage)?;
         let mut segments = Segments::new();
         let count = if storage == Storage::Stored { 1 } else { plan.levels().wrapping_add(1) };
         for _ in 0..count {
@@ -97,6 +105,32 @@ impl Header {
     #[must_use]
     pub const fn is_stored(&self) -> bool {
         matches!(self.storage, Storage::Stored)
+    }
+
+    /// Whether the codestream is dense: [`Codec::decode_dense`](crate::Codec::decode_dense) decodes it.
+    #[must_use]
+    pub const fn is_dense(&self) -> bool {
+        matches!(self.storage, Storage::Dense)
+    }
+
+    /// `i32`s of scratch that decoding takes.
+    #[must_use]
+    pub const fn scratch_len(&self) -> usize {
+        match self.storage {
+            Storage::Dense => Dense::scratch_len(&self.plan),
+            Storage::Lattice { .. } => Lattice::decoding_scratch_len(self.plan.extent()),
+            Storage::Coded | Storage::Stored => self.plan.scratch_len(),
+        }
+    }
+
+    /// How far a sample may be off, for a codestream of [`Lattice`](crate::Lattice); `None` for any other. Its plan has
+    /// levels but no wavelet: level L holds every 2^L-th sample along each axis.
+    #[must_use]
+    pub const fn slack(&self) -> Option<u32> {
+        match self.storage {
+            Storage::Lattice { slack, .. } => Some(slack),
+            _ => None,
+        }
     }
 
     /// Bytes of the whole codestream, header included.
@@ -134,17 +168,6 @@ pub(super) fn stored_bytes(plan: &Plan, sample_type: SampleType) -> Option<u32> 
     u32::try_from(plan.extent().samples().checked_mul(sample_type.bytes())?).ok()
 }
 
-/// Weights in a header: those of the first plane, and those of the others if the low-pass part has any.
-const fn weights_len(plan: &Plan) -> usize {
-    let [_, _, depth] = plan.extent().coarsened(plan.levels()).axes();
-    if depth > 1 { IN_PLANE + WEIGHTS } else { IN_PLANE }
-}
-
-/// A weight as a number: 0, 1, 2, 3, 4, … for 0, -1, 1, -2, 2, …
-fn weight_number(weight: i16) -> u32 {
-    u32::from(weight.unsigned_abs()).wrapping_mul(2).wrapping_sub(u32::from(weight < 0))
-}
-
 /// Takes fields from the beginning of a codestream.
 struct Fields<'a> {
     bytes: &'a [u8],
@@ -176,33 +199,15 @@ impl Fields<'_> {
         Err(Malformed::Number.into())
     }
 
-    /// How the samples are held; the weights of a trained predictor follow later.
+    /// How the samples are held.
     fn storage(&mut self) -> Result<Storage, DecodeError> {
-        Ok(match self.byte()? {
-            STORED => Storage::Stored,
-            Predictor::TRAINED => Storage::Coded(Predictor::Trained(Weights::ZERO)),
-            code => Storage::Coded(Predictor::from_code(code).ok_or(Malformed::Reserved)?),
-        })
-    }
-
-    /// `storage` with the weights that it promises.
-    fn weights(&mut self, mut storage: Storage, plan: &Plan) -> Result<Storage, DecodeError> {
-        if let Storage::Coded(Predictor::Trained(weights)) = &mut storage {
-            for weight in weights.first.iter_mut().chain(&mut weights.rest).take(weights_len(plan)) {
-                *weight = self.weight()?;
-            }
+        match self.byte()? {
+            STORED => Ok(Storage::Stored),
+            CODED => Ok(Storage::Coded),
+            DENSE => Ok(Storage::Dense),
+            LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
+            _ => Err(Malformed::Reserved.into()),
         }
-        Ok(storage)
-    }
-
-    /// A weight; see [`weight_number`].
-    fn weight(&mut self) -> Result<i16, DecodeError> {
-        let number = self.number()?;
-        let magnitude = i16::try_from(number.div_ceil(2)).map_err(|_| Malformed::Weight)?;
-        if magnitude > LARGEST_WEIGHT {
-            return Err(Malformed::Weight.into());
-        }
-        Ok(if number % 2 == 1 { magnitude.wrapping_neg() } else { magnitude })
     }
 
     /// The type in the low half of the byte, the wavelet in the high half: 0 for none.
@@ -216,11 +221,22 @@ impl Fields<'_> {
         Ok((sample_type, wavelet))
     }
 
-    fn plan(&mut self, wavelet: Option<Wavelet>) -> Result<Plan, DecodeError> {
+    /// What a lattice has besides: its slack and how its steps shrink.
+    fn precision(&mut self, storage: Storage) -> Result<Storage, DecodeError> {
+        let Storage::Lattice { .. } = storage else { return Ok(storage) };
+        let (slack, shrinking) = (self.number()?, self.byte()?);
+        if slack > LARGEST_SLACK || usize::from(shrinking) >= SHRINKING.len() {
+            return Err(Malformed::Reserved.into());
+        }
+        Ok(Storage::Lattice { slack, shrinking })
+    }
+
+    fn plan(&mut self, wavelet: Option<Wavelet>, storage: Storage) -> Result<Plan, DecodeError> {
         let levels = self.byte()?;
         let axes = [self.number()?, self.number()?, self.number()?];
         let extent = Extent::new(axes).map_err(|_| Malformed::Extent)?;
-        if (levels > 0) != wavelet.is_some() {
+        let is_lattice = matches!(storage, Storage::Lattice { .. });
+        if (levels > 0 && !is_lattice) != wavelet.is_some() {
             return Err(Malformed::Levels.into());
         }
         Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|_| Malformed::Levels.into())
@@ -230,12 +246,22 @@ impl Fields<'_> {
 /// The wavelet that a plan without levels is given.
 const NO_WAVELET: Wavelet = Wavelet::Haar;
 
+/// The storage field of coefficients.
+const CODED: u8 = 0;
+
+/// The storage field of dense samples.
+const DENSE: u8 = 1;
+/// The storage field of a lattice.
+const LATTICE: u8 = 2;
+
 /// The storage field of stored samples.
 const STORED: u8 = 0x80;
 
-/// Bytes of the longest header: the fixed fields, the extent, weights of up to two bytes, a length per segment.
-const MAX_HEADER_BYTES: usize =
-    MAGIC.len() + 4 + NUMBER_BYTES * (3 + MAX_SEGMENTS) + 2 * (IN_PLANE + WEIGHTS);
+/// Bytes of the longest header: the fixed fields, the extent, a length per segment.
+const MAX_HEADER_BYTES: usize = MAGIC.len() + 4 + NUMBER_BYTES * (3 + MAX_SEGMENTS) + PRECISION_BYTES;
+
+/// Bytes of the slack of a lattice in its longest form, and of how its steps shrink.
+const PRECISION_BYTES: usize = NUMBER_BYTES + 1;
 
 /// Bytes of the longest header with one segment.
 pub(super) const MAX_STORED_HEADER_BYTES: usize = MAGIC.len() + 4 + NUMBER_BYTES * (3 + 1);
@@ -285,10 +311,13 @@ impl Header {
         let mut bytes = Bytes::new();
         let plan = &self.plan;
         let storage = match self.storage {
-            Storage::Coded(predictor) => predictor.code(),
+            Storage::Coded => CODED,
+            Storage::Dense => DENSE,
             Storage::Stored => STORED,
+            Storage::Lattice { .. } => LATTICE,
         };
-        let wavelet = if plan.levels() == 0 { 0 } else { plan.wavelet().code() };
+        let is_lattice = matches!(self.storage, Storage::Lattice { .. });
+        let wavelet = if plan.levels() == 0 || is_lattice { 0 } else { plan.wavelet().code() };
         let fixed = [VERSION, storage, wavelet << 4 | self.sample_type.code(), plan.levels()];
         // Neither call can fail: `Bytes` holds the longest header.
         let _ = bytes.extend_from_slice(&MAGIC);
@@ -296,10 +325,9 @@ impl Header {
         for number in plan.extent().axes() {
             push_number(&mut bytes, number);
         }
-        if let Storage::Coded(Predictor::Trained(weights)) = &self.storage {
-            for &weight in weights.first.iter().chain(&weights.rest).take(weights_len(plan)) {
-                push_number(&mut bytes, weight_number(weight));
-            }
+        if let Storage::Lattice { slack, shrinking } = self.storage {
+            push_number(&mut bytes, slack);
+            let _ = bytes.push(shrinking);
         }
         for &number in &self.segments {
             push_number(&mut bytes, number);

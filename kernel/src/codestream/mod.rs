@@ -1,6 +1,8 @@
 //! The bytes that hold one line, slice or brick.
 mod codec;
 mod header;
+mod near;
 
-pub use codec::{Codec, max_encoded_len};
+pub use codec::{Codec, Effort, max_encoded_len};
 pub use header::Header;
+pub use near::Near;

@@ -61,10 +61,10 @@ impl Plan {
     /// `i32`s of scratch that the transform, the encoder and the decoder need for this plan.
     ///
     /// A transform takes one line along x, or up to 16 lines side by side along y and z; the coder takes the
-    /// magnitudes of one plane (brick) or of four rows (slice, line) of the largest subband.
+    /// magnitudes of one plane (brick) or of four rows (slice, line) of the largest subband, and four rows of sums.
     #[must_use]
     pub const fn scratch_len(&self) -> usize {
-        let coder = crate::coder::history_len(self);
+        let coder = crate::coder::scratch_len(self);
         let transform = self.transform_scratch_len();
         if coder > transform { coder } else { transform }
     }
@@ -91,7 +91,7 @@ impl Plan {
     pub fn inverse(&self, samples: &mut [i32], scratch: &mut [i32]) -> Result<(), LengthError> {
         self.check(samples, scratch)?;
         for level in (0..self.levels).rev() {
-            self.lift(level, Direction::Inverse, samples, scratch);
+            self.inverse_level(level, samples, scratch);
         }
         Ok(())
     }
@@ -111,6 +111,11 @@ impl Plan {
             }
         }
         Ok(())
+    }
+
+    /// Undoes one level: the coarser ones are undone already.
+    pub(crate) fn inverse_level(&self, level: u8, samples: &mut [i32], scratch: &mut [i32]) {
+        self.lift(level, Direction::Inverse, samples, scratch);
     }
 
     fn check(&self, samples: &[i32], scratch: &[i32]) -> Result<(), LengthError> {

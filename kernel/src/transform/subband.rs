@@ -43,6 +43,11 @@ impl Plan {
         orientations.filter_map(move |orientation| plan.subband(resolution, orientation))
     }
 
+    /// The subband of another orientation of the same level as `subband`, which holds details; 0 is the low-pass part.
+    pub(crate) fn sibling(&self, subband: Subband, orientation: u8) -> Option<Subband> {
+        self.subband(self.levels().wrapping_sub(subband.level), orientation)
+    }
+
     /// The subband of that orientation, unless an axis too short to be split leaves it empty.
     fn subband(&self, resolution: u8, orientation: u8) -> Option<Subband> {
         let level = self.levels().checked_sub(resolution)?;

@@ -4,20 +4,21 @@ use std::error::Error;
 use std::path::Path;
 
 use serde::Serialize;
-use wavelift_host::codec::{CompressError, Container, ContainerError, Part, compress};
+use wavelift_host::bound::Deviation;
+use wavelift_host::codec::{CompressError, CompressOptions, Container, ContainerError, Part, compress};
 use wavelift_host::volume::Volume;
 
 use crate::ALLOCATOR;
-use crate::list::Listed;
+use crate::list::{Bound, Listed};
 use crate::stopwatch::least;
-use crate::ways::{self, Way};
+use crate::ways;
 
 /// A row of the record.
 #[derive(Serialize)]
 struct Row<'a> {
     measure: &'static str,
     volume: &'a str,
-    task: &'static str,
+    task: &'a str,
     codec: &'a str,
     bytes: u64,
     encode_seconds: f64,
@@ -33,18 +34,20 @@ struct Row<'a> {
 pub(crate) fn measure(listed: &Listed) -> Result<(), Box<dyn Error>> {
     let original = listed.volume()?;
     let file = tempfile::NamedTempFile::new()?;
-    for way in ways::all() {
-        let (encode_memory, encoded) = peak(|| encode(&original, &way));
+    let lossless = if original.element.is_float() { "lossless floats" } else { "lossless" };
+    for way in ways::of(listed) {
+        let options = way.options()?;
+        let (encode_memory, encoded) = peak(|| encode(&original, &options));
         std::fs::write(file.path(), encoded?)?;
         let (decode_memory, decoded) = peak(|| decode(file.path()));
-        let right = decoded?.samples == original.samples;
-        let (encode_time, encoded) = least(|| encode(&original, &way))?;
+        let right = is_right(&original, &decoded?, way.bound);
+        let (encode_time, encoded) = least(|| encode(&original, &options))?;
         let (decode_time, _) = least(|| decode(file.path()))?;
         let row = Row {
             measure: "coding",
             volume: &listed.name,
-            task: if original.element.is_float() { "lossless floats" } else { "lossless" },
-            codec: way.codec,
+            task: way.bound.map_or(lossless, |bound| &bound.task),
+            codec: &way.codec(),
             bytes: encoded.len() as u64,
             encode_seconds: encode_time.as_secs_f64(),
             decode_seconds: decode_time.as_secs_f64(),
@@ -57,7 +60,7 @@ pub(crate) fn measure(listed: &Listed) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Encodes and decodes a volume so often in the way of `codec`.
+/// Encodes and decodes a volume so often without loss, in the way of `codec`.
 pub(crate) fn repeat(
     listed: &Listed,
     codec: &str,
@@ -65,11 +68,11 @@ pub(crate) fn repeat(
     decodings: u32,
 ) -> Result<(), Box<dyn Error>> {
     let original = listed.volume()?;
-    let way = ways::all().into_iter().find(|way| way.codec == codec);
-    let way = way.ok_or_else(|| format!("no codec {codec}"))?;
+    let way = ways::of(listed).find(|way| way.bound.is_none() && way.codec() == codec);
+    let options = way.ok_or_else(|| format!("no codec {codec}"))?.options()?;
     let file = tempfile::NamedTempFile::new()?;
     for _ in 0..encodings {
-        std::fs::write(file.path(), encode(&original, &way)?)?;
+        std::fs::write(file.path(), encode(&original, &options)?)?;
     }
     for _ in 0..decodings {
         assert_eq!(decode(file.path())?.samples, original.samples, "decoding does not restore");
@@ -77,9 +80,9 @@ pub(crate) fn repeat(
     Ok(())
 }
 
-fn encode(volume: &Volume, way: &Way) -> Result<Vec<u8>, CompressError> {
+fn encode(volume: &Volume, options: &CompressOptions) -> Result<Vec<u8>, CompressError> {
     let mut out = Vec::new();
-    compress(volume, &way.options, &mut out, &|_| {})?;
+    compress(volume, options, &mut out, &|_| {})?;
     Ok(out)
 }
 
@@ -93,4 +96,13 @@ fn peak<T>(work: impl FnOnce() -> T) -> (usize, T) {
     ALLOCATOR.reset_peak_usage();
     let result = work();
     (ALLOCATOR.peak_usage().saturating_sub(before), result)
+}
+
+/// Whether every sample is as it was, or within the bound.
+fn is_right(original: &Volume, decoded: &Volume, bound: Option<&Bound>) -> bool {
+    let Some(bound) = bound else { return original.samples == decoded.samples };
+    original.samples.len() == decoded.samples.len()
+        && Deviation::of(original.element, &original.samples, &decoded.samples, bound.absolute)
+            .beyond
+            .is_none()
 }

@@ -14,6 +14,16 @@ pub(crate) struct Listed {
     extent: [u64; 3],
     #[serde(rename = "type")]
     element: String,
+    /// Errors to allow, beside none.
+    pub(crate) bounds: Vec<Bound>,
+}
+
+/// The largest error that a sample may have.
+#[derive(Deserialize)]
+pub(crate) struct Bound {
+    /// What the record calls coding within it.
+    pub(crate) task: String,
+    pub(crate) absolute: f64,
 }
 
 pub(crate) fn read(path: &Path) -> Result<Vec<Listed>, Box<dyn Error>> {

@@ -2,6 +2,7 @@
 //! make a transform fast, so that agreement with them means something.
 
 pub mod coder;
+pub mod dense;
 pub mod lifting;
 pub mod noise;
 pub mod stencil;

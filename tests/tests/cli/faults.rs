@@ -311,7 +311,7 @@ fn every_damaged_brick_is_named_in_json_too() {
 fn a_newer_version_is_told() {
     let folder = folder();
     let mut newer = folder.read("a.wlift");
-    newer[8] = 2;
+    newer[8] = 3;
     folder.write("newer.wlift", &newer);
-    folder.run("info newer.wlift").fails(3, &["newer.wlift", "version 2", "newer"]);
+    folder.run("info newer.wlift").fails(3, &["newer.wlift", "version 3", "newer"]);
 }

@@ -28,6 +28,7 @@ fn compress_reports_sizes_and_choices() {
     assert!((document["bits_per_sample"].as_f64().unwrap() - 8.0 * bytes as f64 / 1560.0).abs() < 1e-9);
     assert_eq!((&document["bytes"], &document["sample_bytes"]), (&json!(bytes), &json!(3120)));
     assert_eq!((&document["wavelet"], &document["levels"]), (&json!("cubic"), &json!(3)));
+    assert_eq!(document["effort"], "default");
     let info = folder.run("info b.wlift --json").json();
     for (name, value) in document.as_object().unwrap() {
         assert!(["input", "output"].contains(&name.as_str()) || info[name] == *value, "{name}: {info}");
@@ -67,6 +68,7 @@ fn info_tells_all_that_the_file_says() {
     let folder = compressed();
     let text = folder.run("info a.wlift").ok();
     let expected = [
+        "effort    default\n",
         "20 x 13 x 6",
         "u16",
         "cubic",
@@ -206,4 +208,15 @@ fn help_and_version_are_at_hand() {
         let help = folder.run(&format!("{command} --help")).ok();
         assert!(help.stdout().contains("Examples:") && help.stderr().is_empty(), "{command}");
     }
+}
+
+#[test]
+fn efforts_are_told_and_read_alike() {
+    let folder = compressed();
+    for effort in ["fast", "default", "dense"] {
+        folder.run(&format!("compress in.nrrd {effort}.wlift --effort {effort}")).silent();
+        assert_eq!(folder.run(&format!("info {effort}.wlift --json")).json()["effort"], effort);
+        folder.run(&format!("verify {effort}.wlift in.nrrd")).ok();
+    }
+    folder.run("compress in.nrrd b.wlift --effort slow").fails(2, &["slow", "fast, default, dense"]);
 }

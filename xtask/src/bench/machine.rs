@@ -28,6 +28,18 @@ impl Machine {
             commit: commit().unwrap_or_else(|_| unknown()),
         }
     }
+
+    /// One that nothing was measured on.
+    #[cfg(test)]
+    pub(super) fn example() -> Self {
+        Self {
+            processor: "a processor".to_owned(),
+            cores: 2,
+            system: "linux".to_owned(),
+            rustc: "rustc 1.95".to_owned(),
+            commit: "0123abc".to_owned(),
+        }
+    }
 }
 
 fn unknown() -> String {

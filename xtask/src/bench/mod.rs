@@ -157,16 +157,19 @@ fn example() -> Record {
         decode_memory: record::is_ours(codec).then_some(20),
         right: true,
     };
-    let machine = Machine {
-        processor: "a processor".to_owned(),
-        cores: 2,
-        system: "linux".to_owned(),
-        rustc: "rustc 1.95".to_owned(),
-        commit: "0123abc".to_owned(),
+    let memory = Memory {
+        extent: [64; 3],
+        way: "fast".to_owned(),
+        encoder: 7600,
+        decoder: 7600,
+        scratch: 5168,
+        samples: 1_048_576,
+        output: 9,
     };
+    let [volume, codec, why] = ["one", "pcodec", "bytes"].map(str::to_owned);
     Record {
         date: "2026-11-22".to_owned(),
-        machine,
+        machine: Machine::example(),
         notes: vec!["a note".to_owned()],
         volumes: vec![listed("one", "u8", [20, 10, 1]), listed("two", "u16", [10, 5, 2])],
         coding: vec![
@@ -176,11 +179,7 @@ fn example() -> Record {
             coding("two", "JPEG-LS", 400),
             coding("two", "pcodec", 300),
         ],
-        refused: vec![Refused {
-            volume: "one".to_owned(),
-            codec: "pcodec".to_owned(),
-            why: "bytes".to_owned(),
-        }],
+        refused: vec![Refused { volume, codec, why }],
         lifting: vec![Lifting {
             wavelet: "haar".to_owned(),
             extent: [64; 3],
@@ -188,7 +187,7 @@ fn example() -> Record {
             forward_seconds: 5e-3,
             inverse_seconds: 6e-3,
         }],
-        memory: vec![Memory { extent: [64; 3], state: 7600, scratch: 5168, samples: 1_048_576, output: 9 }],
+        memory: vec![memory],
         instructions: vec![Instructions {
             volume: "one".to_owned(),
             codec: "wavelift default".to_owned(),

@@ -111,9 +111,9 @@ fn draw_panel(area: &Area<'_>, title: &str, points: &[Point]) -> Drawn {
     let front: Vec<(f64, f64)> = front(points).into_iter().map(at).collect();
     let mut ours: Vec<&Point> = points.iter().filter(|point| is_ours(&point.codec)).collect();
     ours.sort_by(|a, b| a.speed.total_cmp(&b.speed));
-    area.draw(&path(&front, FRONT.stroke_width(3)))?;
     let ours: Vec<(f64, f64)> = ours.into_iter().map(at).collect();
     area.draw(&path(&ours, OURS.stroke_width(1)))?;
+    area.draw(&path(&front, FRONT.stroke_width(3)))?;
 
     // wavelift's labels choose their places first.
     let mut points: Vec<&Point> = points.iter().collect();

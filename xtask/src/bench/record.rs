@@ -93,8 +93,13 @@ pub(super) struct Lifting {
 #[derive(Serialize, Deserialize)]
 pub(super) struct Memory {
     pub(super) extent: [u64; 3],
-    /// Of the coder, whatever the extent.
-    pub(super) state: u64,
+    /// An effort, or `lattice` for near-lossless coding.
+    pub(super) way: String,
+    /// State of the encoder, whatever the extent.
+    pub(super) encoder: u64,
+    /// State of the decoder.
+    pub(super) decoder: u64,
+    /// Scratch of the encoder, no less than that of the decoder.
     pub(super) scratch: u64,
     pub(super) samples: u64,
     /// The longest codestream.

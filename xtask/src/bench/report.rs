@@ -82,11 +82,14 @@ fn memory(record: &Record) -> String {
         Some(vec![row.volume.clone(), row.codec.clone(), megabytes(volume.bytes()), encode, decode])
     });
     let host = table(&header, &rows.collect::<Vec<_>>());
-    let header = ["extent", "state", "scratch", "samples", "longest codestream"].map(str::to_owned);
+    let header =
+        ["extent", "way", "encoder's state", "decoder's state", "scratch", "samples", "longest codestream"]
+            .map(str::to_owned);
     let rows = record.memory.iter().map(|row| {
         let [x, y, z] = row.extent;
-        let bytes = [row.state, row.scratch, row.samples, row.output];
-        [vec![format!("{x}x{y}x{z}")], bytes.map(|bytes| bytes.to_string()).to_vec()].concat()
+        let bytes = [row.encoder, row.decoder, row.scratch, row.samples, row.output];
+        [vec![format!("{x}x{y}x{z}"), row.way.clone()], bytes.map(|bytes| bytes.to_string()).to_vec()]
+            .concat()
     });
     let kernel = table(&header, &rows.collect::<Vec<_>>());
     format!(

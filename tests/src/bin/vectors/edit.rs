@@ -73,8 +73,8 @@ fn path() -> PathBuf {
 mod tests {
     use super::*;
 
-    const TEXT: &str = "# Top\n\n[[vector]]\nid = \"a\"\nfile = \"v1/a\"\nsince = 1\n\n\
-                        [[vector]]\nid = \"b\"\nfile = \"v1/b\" # here\nsince = 1\n";
+    const TEXT: &str = "# Top\n\n[[vector]]\nid = \"a\"\nfile = \"v2/a\"\nsince = 1\n\n\
+                        [[vector]]\nid = \"b\"\nfile = \"v2/b\" # here\nsince = 1\n";
 
     #[test]
     fn a_value_is_set_where_it_stands_or_below_the_file() {

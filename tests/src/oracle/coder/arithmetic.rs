@@ -1,21 +1,24 @@
 //! The arithmetic coder. The encoder holds its whole number and carries digit by digit.
 
+use super::distribution::Distribution;
 use super::header::Reject;
 
-/// A shorter range is too coarse for the next decision.
+/// A shorter range is too coarse for the next symbol.
 const SHORTEST: u64 = 1 << 24;
 
 const WHOLE: u64 = (1 << 32) - 1;
 
-/// The split of `range` under the probability `p` (in 1/65536) of *false*.
-const fn split(range: u64, p: u32) -> u64 {
-    (range >> 16) * p as u64
+/// The part of `range` that belongs to symbol `s`: where it begins and how long it is.
+fn part(range: u64, distribution: &Distribution, s: usize) -> (u64, u64) {
+    let unit = range >> 15;
+    let (below, next) = (distribution.below(s), distribution.below(s + 1));
+    (unit * below, unit * (next - below))
 }
 
 /// Bits of each group in a run of `count` raw bits, from the highest.
 fn groups(count: u32) -> Vec<u32> {
-    let mut groups = vec![8; (count / 8) as usize];
-    groups.extend((!count.is_multiple_of(8)).then_some(count % 8));
+    let mut groups = vec![12; (count / 12) as usize];
+    groups.extend((!count.is_multiple_of(12)).then_some(count % 12));
     groups
 }
 
@@ -39,10 +42,11 @@ impl Encoder {
         Self { number: vec![0; 4], range: WHOLE }
     }
 
-    /// A decision of which *false* has the probability `p` / 65536.
-    pub(super) fn decide(&mut self, p: u32, decision: bool) {
-        let split = split(self.range, p);
-        if decision { self.narrow(split, self.range - split) } else { self.narrow(0, split) }
+    /// A symbol, which the distribution then learns.
+    pub(super) fn symbol(&mut self, distribution: &mut Distribution, s: usize) {
+        let (begin, range) = part(self.range, distribution, s);
+        self.narrow(begin, range);
+        distribution.learn(s);
     }
 
     /// The `count` low bits of `bits`, highest first.
@@ -92,7 +96,7 @@ impl Encoder {
 
 /// A segment being read.
 #[derive(Debug)]
-pub(super) struct Decoder<'a> {
+pub(in crate::oracle) struct Decoder<'a> {
     segment: &'a [u8],
     /// Digits shifted out so far.
     shifted: usize,
@@ -102,7 +106,7 @@ pub(super) struct Decoder<'a> {
 }
 
 impl<'a> Decoder<'a> {
-    pub(super) fn new(segment: &'a [u8]) -> Result<Self, Reject> {
+    pub(in crate::oracle) fn new(segment: &'a [u8]) -> Result<Self, Reject> {
         if segment.last() == Some(&0) || segment.starts_with(&[0xFF; 4]) {
             return Err(Reject::Segment);
         }
@@ -113,20 +117,27 @@ impl<'a> Decoder<'a> {
         Ok(decoder)
     }
 
-    /// A decision of which *false* has the probability `p` / 65536.
-    pub(super) fn decide(&mut self, p: u32) -> bool {
-        let split = split(self.range, p);
-        let decision = self.code >= split;
-        if decision {
-            self.narrow(split, self.range - split)
-        } else {
-            self.narrow(0, split)
-        }
-        decision
+    /// A symbol, which the distribution then learns.
+    pub(super) fn symbol(&mut self, distribution: &mut Distribution) -> usize {
+        let share = (self.code / (self.range >> 15)).min(32767);
+        let s = (0..16).rfind(|&s| distribution.below(s) <= share).expect("nothing is below symbol 0");
+        let (begin, range) = part(self.range, distribution, s);
+        self.narrow(begin, range);
+        distribution.learn(s);
+        s
+    }
+
+    /// A decision under a chance of true, in 1/65536.
+    pub(in crate::oracle) fn decision(&mut self, chance: u64) -> bool {
+        let share = (self.range >> 16) * chance + (((self.range % 65536) * chance) >> 16);
+        let is_true = self.code < share;
+        let (begin, range) = if is_true { (0, share) } else { (share, self.range - share) };
+        self.narrow(begin, range);
+        is_true
     }
 
     /// A run of `count` raw bits.
-    pub(super) fn raw(&mut self, count: u32) -> u64 {
+    pub(in crate::oracle) fn raw(&mut self, count: u32) -> u64 {
         let mut bits = 0;
         for g in groups(count) {
             let b = (self.code / (self.range >> g)).min((1 << g) - 1);
@@ -138,7 +149,7 @@ impl<'a> Decoder<'a> {
     }
 
     /// Checks, after the last value, that the segment is no longer than its values need.
-    pub(super) fn finish(self) -> Result<(), Reject> {
+    pub(in crate::oracle) fn finish(self) -> Result<(), Reject> {
         if self.segment.len() > self.shifted + 1 { Err(Reject::Segment) } else { Ok(()) }
     }
 
@@ -146,7 +157,7 @@ impl<'a> Decoder<'a> {
         self.code -= begin;
         self.range = range;
         while self.range < SHORTEST {
-            self.code = self.code * 256 + self.digit(self.shifted + 4);
+            self.code = (self.code * 256 + self.digit(self.shifted + 4)) % (1 << 32);
             self.shifted += 1;
             self.range *= 256;
         }

@@ -13,7 +13,6 @@ pub enum Reject {
     Number,
     Extent,
     Levels,
-    Weight,
     StoredLength,
     Segment,
     Sample,
@@ -23,27 +22,10 @@ pub enum Reject {
 /// How the samples are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
-    /// As values under the models.
-    Coded {
-        /// Of the low-pass part, 0 to 4.
-        predictor: u8,
-    },
-    /// As values under the models, the low-pass part by predictor 5.
-    Trained {
-        /// From -2048 to 2048 each.
-        weights: Weights,
-    },
+    /// As residuals under the models.
+    Coded,
     /// As they are.
     Stored,
-}
-
-/// The weights of predictor 5.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Weights {
-    /// Those of the first plane.
-    pub first: [i32; 9],
-    /// Those of all other planes: all 0, and not in the header, if there is none.
-    pub others: [i32; 19],
 }
 
 /// The type of the samples; `u32` travels as the same bits in an `i32`.
@@ -115,6 +97,11 @@ impl Choices {
         self.extent.iter().product()
     }
 
+    /// Whether the sums of predictions have 32 bits, or else 64.
+    pub(super) const fn is_narrow(&self) -> bool {
+        self.sample_type.bytes() < 4
+    }
+
     /// The choices that remain after the `level` finest levels; without levels the wavelet changes nothing.
     pub(super) fn coarsened(&self, level: usize) -> Self {
         Self { extent: ceil_shift(self.extent, level), levels: self.levels - level, ..*self }
@@ -129,20 +116,12 @@ impl Choices {
         if self.levels > max_levels(self.extent) || self.psi.is_some() != (self.levels > 0) {
             return Err(Reject::Levels);
         }
-        let Storage::Trained { weights } = self.storage else { return Ok(()) };
-        assert!(self.has_other_planes() || weights.others == [0; 19], "weights of planes that are not there");
-        let mut all = weights.first.iter().chain(&weights.others);
-        if all.all(|weight| (-2048..=2048).contains(weight)) { Ok(()) } else { Err(Reject::Weight) }
-    }
-
-    /// Whether the low-pass part has more than one plane.
-    fn has_other_planes(&self) -> bool {
-        ceil_shift(self.extent, self.levels)[2] > 1
+        Ok(())
     }
 
     fn segments(&self) -> usize {
         match self.storage {
-            Storage::Coded { .. } | Storage::Trained { .. } => self.levels + 1,
+            Storage::Coded => self.levels + 1,
             Storage::Stored => 1,
         }
     }
@@ -174,26 +153,19 @@ impl Header {
             }
         }
         match fields.byte()? {
-            1 => {}
+            2 => {}
             found => return Err(Reject::UnsupportedVersion { found }),
         }
         let storage = match fields.byte()? {
-            predictor @ 0..=4 => Storage::Coded { predictor },
-            5 => Storage::Trained { weights: Weights { first: [0; 9], others: [0; 19] } },
+            0 => Storage::Coded,
             0x80 => Storage::Stored,
             _ => return Err(Reject::Reserved),
         };
         let (sample_type, psi) = type_and_wavelet(fields.byte()?)?;
         let levels = usize::from(fields.byte()?);
         let extent = [fields.number()?, fields.number()?, fields.number()?];
-        let mut choices = Choices { storage, sample_type, psi, levels, extent };
+        let choices = Choices { storage, sample_type, psi, levels, extent };
         choices.check()?;
-        let others = choices.has_other_planes();
-        if let Storage::Trained { weights } = &mut choices.storage {
-            for weight in weights.first.iter_mut().chain(weights.others.iter_mut().filter(|_| others)) {
-                *weight = fields.weight()?;
-            }
-        }
         let lengths = (0..choices.segments()).map(|_| fields.number()).collect::<Result<Vec<_>, _>>()?;
         if storage == Storage::Stored && lengths[0] != choices.places() * sample_type.bytes() {
             return Err(Reject::StoredLength);
@@ -221,26 +193,15 @@ impl Header {
 /// The bytes of a header.
 pub(super) fn write(choices: &Choices, lengths: &[usize]) -> Vec<u8> {
     let storage = match choices.storage {
-        Storage::Coded { predictor } => predictor,
-        Storage::Trained { .. } => 5,
+        Storage::Coded => 0,
         Storage::Stored => 0x80,
     };
     let sample_type = SampleType::ALL.iter().position(|&t| t == choices.sample_type).expect("all are listed");
     let psi = Psi::ALL.iter().position(|&psi| Some(psi) == choices.psi).map_or(0, |position| position + 1);
-    let mut bytes = vec![0x77, 0x4C, 1, storage, (psi << 4 | sample_type) as u8, choices.levels as u8];
+    let mut bytes = vec![0x77, 0x4C, 2, storage, (psi << 4 | sample_type) as u8, choices.levels as u8];
     bytes.extend(choices.extent.iter().flat_map(|&samples| number_bytes(samples)));
-    if let Storage::Trained { weights } = choices.storage {
-        let others = choices.has_other_planes().then_some(weights.others);
-        let all = weights.first.into_iter().chain(others.into_iter().flatten());
-        bytes.extend(all.flat_map(|weight| number_bytes(number_of(weight))));
-    }
     bytes.extend(lengths.iter().flat_map(|&length| number_bytes(length)));
     bytes
-}
-
-/// The number that stands for a weight.
-const fn number_of(weight: i32) -> usize {
-    (if weight >= 0 { 2 * weight } else { -2 * weight - 1 }) as usize
 }
 
 fn type_and_wavelet(byte: u8) -> Result<(SampleType, Option<Psi>), Reject> {
@@ -285,13 +246,5 @@ impl Fields<'_> {
             }
         }
         Err(Reject::Number)
-    }
-
-    fn weight(&mut self) -> Result<i32, Reject> {
-        match self.number()? as i32 {
-            number @ 0..=4096 if number % 2 == 0 => Ok(number / 2),
-            number @ 0..=4096 => Ok(-(number + 1) / 2),
-            _ => Err(Reject::Weight),
-        }
     }
 }

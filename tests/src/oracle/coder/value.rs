@@ -1,114 +1,145 @@
-//! The adaptive probabilities, and a value as decisions under them.
+//! Numbers, weights and residuals as symbols and raw bits.
 
 use super::arithmetic::{Decoder, Encoder};
+use super::distribution::{Distribution, Models};
 
-/// The chance of *false*, estimated twice.
-#[derive(Debug, Clone, Copy)]
-struct Probability {
-    fast: u32,
-    slow: u32,
-    seen: u32,
-}
-
-impl Probability {
-    const NEW: Self = Self { fast: 32768, slow: 32768, seen: 0 };
-
-    const fn of_false(self) -> u32 {
-        (self.fast + self.slow) >> 1
-    }
-
-    fn learn(&mut self, decision: bool) {
-        let rate = (self.seen + 2).ilog2() + 1;
-        let moved = |x: u32, k: u32| if decision { x - (x >> k) } else { x + ((65535 - x) >> k) };
-        self.fast = moved(self.fast, rate.min(4));
-        self.slow = moved(self.slow, rate);
-        self.seen = (self.seen + 1).min(62);
-    }
-
-    fn encode(&mut self, to: &mut Encoder, decision: bool) {
-        to.decide(self.of_false(), decision);
-        self.learn(decision);
-    }
-
-    fn decode(&mut self, from: &mut Decoder<'_>) -> bool {
-        let decision = from.decide(self.of_false());
-        self.learn(decision);
-        decision
-    }
-}
-
-/// What is around a value: all that chooses the probabilities of its first decisions.
+/// What is around a residual: all that chooses its distribution.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Context {
-    /// The class c, 0 to 31.
-    pub(super) class: usize,
-    /// The context of signs g, 0 to 26.
-    pub(super) signs: usize,
+    /// The energy s.
+    pub(super) energy: u64,
+    /// The offset t of the prediction.
+    pub(super) offset: i32,
 }
 
-/// All probabilities of a codestream.
-#[derive(Debug)]
-pub(super) struct Models {
-    nonzero: [Probability; 32],
-    negative: [Probability; 27],
-    above: [[Probability; 20]; 32],
-    mantissa: [[Probability; 3]; 20],
+/// A class of energies.
+enum Class {
+    Small { c: usize },
+    Large { c: usize, k: u32 },
+}
+
+impl Context {
+    fn class(self) -> Class {
+        let s = self.energy;
+        if s < 4 {
+            return Class::Small { c: s as usize };
+        }
+        let o = s.ilog2();
+        let h = s >> (o - 1) & 1;
+        let c = 2 * o as usize + h as usize;
+        if s < 32 { Class::Small { c } } else { Class::Large { c: (c - 10).min(49), k: o - 5 } }
+    }
+
+    /// The fraction f.
+    const fn fraction(self) -> usize {
+        match self.offset.unsigned_abs() {
+            0..32 => 0,
+            32..80 => 1,
+            _ => 2,
+        }
+    }
+
+    /// The residual, or the one that this stands for, negated if the offset is negative.
+    const fn turned(self, residual: i32) -> i32 {
+        if self.offset < 0 { residual.wrapping_neg() } else { residual }
+    }
+}
+
+/// The rank of a value; the one left for -2^31 is 2^32 - 1.
+const fn rank(v: i32) -> u32 {
+    let v = v as i64;
+    if v > 0 || v == i32::MIN as i64 { (2 * v - 1) as u32 } else { (-2 * v) as u32 }
+}
+
+/// The value of a rank.
+const fn unrank(q: u32) -> i32 {
+    let q = q as i64;
+    (if q % 2 == 1 { (q + 1) / 2 } else { -(q / 2) }) as i32
+}
+
+fn encode_number(to: &mut Encoder, distribution: &mut Distribution, n: u64) {
+    let e = n.ilog2();
+    to.symbol(distribution, e.min(15) as usize);
+    if e >= 15 {
+        to.raw(5, u64::from(e - 15));
+    }
+    to.raw(e, n % (1 << e));
+}
+
+fn decode_number(from: &mut Decoder<'_>, distribution: &mut Distribution) -> u64 {
+    let mut e = from.symbol(distribution) as u32;
+    if e == 15 {
+        e = (15 + from.raw(5) as u32).min(31);
+    }
+    (1 << e) | from.raw(e)
 }
 
 impl Models {
-    pub(super) const fn new() -> Self {
-        Self {
-            nonzero: [Probability::NEW; 32],
-            negative: [Probability::NEW; 27],
-            above: [[Probability::NEW; 20]; 32],
-            mantissa: [[Probability::NEW; 3]; 20],
-        }
+    pub(super) fn encode_weight(&mut self, to: &mut Encoder, weight: i32) {
+        encode_number(to, &mut self.weight, u64::from(rank(weight)) + 1);
     }
 
-    pub(super) fn encode(&mut self, to: &mut Encoder, context: Context, value: i32) {
-        let Context { class, signs } = context;
-        self.nonzero[class].encode(to, value != 0);
-        if value == 0 {
-            return;
-        }
-        self.negative[signs].encode(to, value < 0);
-        let magnitude = value.unsigned_abs();
-        let e = magnitude.ilog2();
-        for k in 0..31.min(e + 1) {
-            self.above[class][k.min(19) as usize].encode(to, e > k);
-        }
-        let mantissa = &mut self.mantissa[e.min(19) as usize];
-        let bit = |place: u32| magnitude >> place & 1 == 1;
-        if e >= 1 {
-            mantissa[0].encode(to, bit(e - 1));
-        }
-        if e >= 2 {
-            mantissa[if bit(e - 1) { 2 } else { 1 }].encode(to, bit(e - 2));
-            to.raw(e - 2, u64::from(magnitude) % (1 << (e - 2)));
+    /// A weight, which may be any value.
+    pub(super) fn decode_weight(&mut self, from: &mut Decoder<'_>) -> i32 {
+        unrank((decode_number(from, &mut self.weight) - 1) as u32)
+    }
+
+    pub(super) fn encode(&mut self, to: &mut Encoder, context: Context, residual: i32) {
+        match context.class() {
+            Class::Small { c } => {
+                let q = u64::from(rank(context.turned(residual)));
+                to.symbol(&mut self.small[c][context.fraction()], q.min(15) as usize);
+                if q >= 15 {
+                    encode_number(to, &mut self.exponent[0], q - 14);
+                }
+            }
+            Class::Large { c, .. } if residual == 0 => to.symbol(&mut self.large[c], 0),
+            Class::Large { c, k } => {
+                let m = u64::from(residual.unsigned_abs()) - 1;
+                let j = m >> k;
+                to.symbol(&mut self.large[c], (j + 1).min(15) as usize);
+                if j + 1 >= 15 {
+                    encode_number(to, &mut self.exponent[1], j - 13);
+                }
+                to.raw(k + 1, (m % (1 << k)) << 1 | u64::from(residual < 0));
+            }
         }
     }
 
     pub(super) fn decode(&mut self, from: &mut Decoder<'_>, context: Context) -> i32 {
-        let Context { class, signs } = context;
-        if !self.nonzero[class].decode(from) {
-            return 0;
+        match context.class() {
+            Class::Small { c } => {
+                let mut q = from.symbol(&mut self.small[c][context.fraction()]) as u64;
+                if q == 15 {
+                    q = decode_number(from, &mut self.exponent[0]) + 14;
+                }
+                context.turned(unrank(q as u32))
+            }
+            Class::Large { c, k } => {
+                let mut j = match from.symbol(&mut self.large[c]) {
+                    0 => return 0,
+                    symbol => symbol as u64 - 1,
+                };
+                if j == 14 {
+                    j = decode_number(from, &mut self.exponent[1]) + 13;
+                }
+                let low = from.raw(k + 1);
+                let magnitude = (((j << k) | (low >> 1)) + 1) as i32;
+                if low % 2 == 1 { magnitude.wrapping_neg() } else { magnitude }
+            }
         }
-        let negative = self.negative[signs].decode(from);
-        let mut e = 0;
-        while e < 31 && self.above[class][e.min(19) as usize].decode(from) {
-            e += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_has_a_rank() {
+        assert_eq!([0, 1, -1, 2, -2].map(rank), [0, 1, 2, 3, 4]);
+        for value in [0, 1, -1, i32::MAX, -i32::MAX, i32::MIN] {
+            assert_eq!(unrank(rank(value)), value);
         }
-        let mantissa = &mut self.mantissa[e.min(19) as usize];
-        let mut magnitude = 1;
-        if e >= 1 {
-            magnitude = magnitude << 1 | u64::from(mantissa[0].decode(from));
-        }
-        if e >= 2 {
-            let second = &mut mantissa[if magnitude == 3 { 2 } else { 1 }];
-            magnitude = magnitude << 1 | u64::from(second.decode(from));
-            magnitude = magnitude << (e - 2) | from.raw(e - 2);
-        }
-        let value = magnitude as i64;
-        (if negative { -value } else { value }) as i32
     }
 }

@@ -1,0 +1,93 @@
+//! Error bounds: on the command line, and in what is told of a file.
+
+use std::str::FromStr;
+
+use serde_json::{Map, Value, json};
+use wavelift_host::bound::{BoundError, Tolerance};
+use wavelift_host::codec::{Form, Index, Values};
+
+/// How far samples may move; nowhere unless given.
+#[derive(Debug, clap::Args)]
+pub(crate) struct BoundArgs {
+    /// Let no sample move by more than E, in the unit of the samples [default: every bit is kept]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = absolute)]
+    #[arg(conflicts_with = "relative_error")]
+    pub(crate) max_error: Option<Tolerance>,
+    /// Let no sample move by more than R times the range of the finite values of the volume
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = relative)]
+    pub(crate) relative_error: Option<Tolerance>,
+}
+
+impl BoundArgs {
+    /// The one that is given.
+    pub(crate) fn tolerance(&self) -> Option<Tolerance> {
+        self.max_error.or(self.relative_error)
+    }
+}
+
+fn absolute(text: &str) -> Result<Tolerance, BoundError> {
+    Tolerance::absolute(number(text)?)
+}
+
+fn relative(text: &str) -> Result<Tolerance, BoundError> {
+    Tolerance::relative(number(text)?)
+}
+
+fn number(text: &str) -> Result<f64, BoundError> {
+    f64::from_str(text).map_err(|_| BoundError::NotANumber)
+}
+
+/// What scripts are told of form and bound, by name.
+pub(crate) fn fields(index: &Index) -> Map<String, Value> {
+    let fields = json!({
+        "form": index.form.name(),
+        "packed_values": index.form.values().map(Values::count),
+        "step": index.form.step(),
+        "slack": index.form.slack(),
+        "density": index.form.scale().map(|scale| scale.density()),
+        "max_error": index.bound.map(|bound| bound.error),
+        "relative_error": index.bound.and_then(|bound| bound.relative),
+        "exceptions": index.exceptions(),
+        "exact_bricks": index.exact_bricks(),
+    });
+    if let Value::Object(fields) = fields { fields } else { Map::new() }
+}
+
+/// What people are told of form and bound, a line each.
+pub(crate) fn lines(index: &Index) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(bound) = index.bound {
+        let asked = bound.relative.map_or_else(String::new, |fraction| format!(", {fraction} of the range"));
+        lines.push(format!("bound     no sample is off by more than {:e}{asked}", bound.error));
+    }
+    match &index.form {
+        Form::Exact => {}
+        Form::Packed(values) => lines.push(format!("packed    {} values", values.count())),
+        Form::Steps(step) => lines.push(format!("scale     integers in steps of {step}")),
+        Form::Near(slack) => lines.push(format!("scale     integers as they are, lattice within {slack}")),
+        Form::Scaled { scale, .. } => lines.push(format!(
+            "scale     integers, {} to 1{}; {} samples kept beside it, {} of {} bricks exact",
+            scale.density(),
+            index.form.slack().map_or_else(String::new, |slack| format!(", lattice within {slack} steps")),
+            index.exceptions(),
+            index.exact_bricks(),
+            index.bricks.len()
+        )),
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_numbers_above_zero() {
+        assert_eq!(absolute("1e-3"), Tolerance::absolute(1e-3));
+        assert_eq!(relative("0.5"), Tolerance::relative(0.5));
+        for text in ["", "one", "NaN", "0", "-1", "inf", "1,5", "1e999"] {
+            absolute(text).unwrap_err();
+            relative(text).unwrap_err();
+        }
+    }
+}

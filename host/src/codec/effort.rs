@@ -1,0 +1,89 @@
+//! How hard an encoder tries.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use wavelift_kernel::{Dense, Effort as KernelEffort, Training};
+
+/// How much work a volume is worth. Every effort is decoded by every reader, which need not be told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Effort {
+    /// Quickest: predictors that need no training.
+    Fast,
+    /// Predictors trained on each brick, and lattices where samples may move.
+    #[default]
+    Default,
+    /// Smallest, and slowest both ways: all that the kernel knows, which it knows of bricks without a transform, and
+    /// larger bricks to learn from.
+    Dense,
+}
+
+impl Effort {
+    /// Every effort, the quickest first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Dense];
+
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Default => "default",
+            Self::Dense => "dense",
+        }
+    }
+
+    /// Whether lattices, which are trained, are worth their time.
+    pub(super) fn has_lattices(self) -> bool {
+        self > Self::Fast
+    }
+
+    /// What the kernel is asked for, in the memory that it learns in.
+    pub(crate) const fn of_kernel<'a>(
+        self,
+        training: &'a mut Training,
+        dense: &'a mut Dense,
+    ) -> KernelEffort<'a> {
+        match self {
+            Self::Fast => KernelEffort::Fast,
+            Self::Default => KernelEffort::Default(training),
+            Self::Dense => KernelEffort::Dense(dense, training),
+        }
+    }
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is no effort's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{0}' is no effort: give fast, default or dense")]
+pub struct UnknownEffort(String);
+
+impl FromStr for Effort {
+    type Err = UnknownEffort;
+
+    fn from_str(name: &str) -> Result<Self, UnknownEffort> {
+        let found = Self::ALL.into_iter().find(|effort| effort.name() == name);
+        found.ok_or_else(|| UnknownEffort(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back() {
+        for effort in Effort::ALL {
+            assert_eq!(effort.to_string().parse(), Ok(effort));
+        }
+        assert_eq!(
+            "slow".parse::<Effort>().unwrap_err().to_string(),
+            "'slow' is no effort: give fast, default or dense"
+        );
+        assert_eq!(Effort::default(), Effort::Default);
+    }
+}

@@ -1,0 +1,159 @@
+//! Finding out, on parts of a volume, what makes it smallest.
+
+use rayon::prelude::*;
+use wavelift_kernel::Wavelet;
+
+use super::brick::{Coding, Unfaithful, Worker};
+use super::choice::{Candidates, Transform};
+use super::grid::per_axis;
+use super::{Brick, Effort, Form, Grid, Values, scaled, steps};
+use crate::volume::Volume;
+
+/// The part of a volume that something is tried on.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    /// One in so many samples,
+    one_in: u64,
+    /// but at least so many, if there are,
+    fewest: u64,
+    /// in about so many pieces, or more where bricks have less,
+    pieces: u64,
+    /// but at most in so many.
+    most_pieces: u64,
+}
+
+/// The part that each form is tried on.
+const OF_FORMS: Share = Share { one_in: 8, fewest: 1 << 15, pieces: 4, most_pieces: 8 };
+
+/// As [`OF_FORMS`], where there are lattices: a lattice learns long, and would seem worse in small pieces.
+const OF_LATTICES: Share = Share { one_in: 4, fewest: 1 << 18, pieces: 1, most_pieces: 4 };
+
+/// As [`OF_FORMS`], for each wavelet.
+const OF_WAVELETS: Share = Share { one_in: 32, ..OF_FORMS };
+
+/// If psi_1 makes the pieces larger than no transform does, by more than one part in so many, no wavelet is tried.
+const FAR: u64 = 16;
+
+/// Bytes that a packed value takes in the index, about.
+const BYTES_PER_VALUE: u64 = 2;
+
+/// A volume, to be tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial<'a> {
+    pub(super) volume: &'a Volume,
+    pub(super) grid: &'a Grid,
+    pub(super) effort: Effort,
+    /// How far a sample may move.
+    pub(super) error: f64,
+}
+
+impl Trial<'_> {
+    /// What makes a few pieces, spread over the volume, smallest: first of the forms that the samples have, then of
+    /// the transforms. `dense` is tried as `default` unless samples may move, as a lattice is its rival.
+    ///
+    /// Codes an eighth of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
+    /// volumes more. Where a lattice is best no wavelet is tried, and where psi_1 is far from it no other.
+    pub(super) fn best(&self, candidates: &Candidates) -> Result<Coding, Unfaithful> {
+        let mut transforms = candidates.transforms();
+        let first = transforms.next().unwrap_or(Transform::NONE);
+        let forms: Vec<Coding> = self.forms(first).into_iter().map(|form| self.coding(first, form)).collect();
+        let has_lattices = forms.iter().any(|coding| coding.form.slack().is_some());
+        let best = self.smallest(forms, &self.pieces(if has_lattices { OF_LATTICES } else { OF_FORMS }))?;
+        let rivals: Vec<Coding> = transforms.map(|other| self.coding(other, best.form.clone())).collect();
+        // Numbers of values mean nothing to a transform, a lattice has none, and dense coding is for none.
+        let is_untransformed = best.form.values().is_some() || best.form.slack().is_some();
+        let is_settled = is_untransformed || self.effort == Effort::Dense;
+        if rivals.is_empty() || is_settled && first.wavelet.is_none() {
+            return Ok(best);
+        }
+        let pieces = self.pieces(OF_WAVELETS);
+        let mut codings = vec![best];
+        codings.extend(rivals);
+        let probe = codings.iter().position(|coding| coding.transform.wavelet == Some(Wavelet::Linear));
+        if let Some(probe) = probe.filter(|&probe| probe > 0) {
+            codings.swap(1, probe);
+            let costs = self.costs(&codings[..2], &pieces)?;
+            if costs[1] > costs[0] + costs[0] / FAR {
+                return Ok(codings.swap_remove(0));
+            }
+        }
+        self.smallest(codings, &pieces)
+    }
+
+    /// The forms that the samples may be written in.
+    fn forms(&self, transform: Transform) -> Vec<Form> {
+        let is_integer = !self.volume.element.is_float();
+        let stepped = steps::width(self.error).filter(|_| is_integer).map(Form::Steps);
+        let mut forms = vec![stepped.unwrap_or(Form::Exact)];
+        forms.extend(scaled::form(self.volume, self.error, 0));
+        if transform.wavelet.is_none() {
+            forms.extend(self.lattice());
+            forms.extend(Values::of(self.volume).map(Form::Packed));
+        }
+        forms
+    }
+
+    /// The form of a lattice, if one may move samples.
+    fn lattice(&self) -> Option<Form> {
+        let element = self.volume.element;
+        let form = match steps::slack(self.error) {
+            _ if self.error == 0.0 || !self.effort.has_lattices() => None,
+            _ if element.is_float() => scaled::form(self.volume, self.error, u32::MAX),
+            slack => slack.map(Form::Near),
+        };
+        form.filter(|form| form.slack().is_some() && form.suits(element))
+    }
+
+    fn coding(&self, transform: Transform, form: Form) -> Coding {
+        Coding { effort: self.effort, transform, form, error: self.error }
+    }
+
+    /// The coding that makes `pieces` smallest, the first of several.
+    fn smallest(&self, mut codings: Vec<Coding>, pieces: &[Brick]) -> Result<Coding, Unfaithful> {
+        if codings.len() > 1 {
+            let costs = self.costs(&codings, pieces)?;
+            let best = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).map_or(0, |(best, _)| best);
+            codings.swap(0, best);
+        }
+        Ok(codings.swap_remove(0))
+    }
+
+    fn costs(&self, codings: &[Coding], pieces: &[Brick]) -> Result<Vec<u64>, Unfaithful> {
+        let cost = |worker: &mut Worker, coding: &Coding| self.cost(worker, coding, pieces);
+        codings.par_iter().map_init(Worker::new, cost).collect()
+    }
+
+    /// Bytes of `pieces`, and the share that they have in what the index will say of values.
+    fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Brick]) -> Result<u64, Unfaithful> {
+        let hardest = if self.error > 0.0 { Effort::Dense } else { Effort::Default };
+        let tried = Coding { effort: coding.effort.min(hardest), ..coding.clone() };
+        let lengths = pieces.iter().map(|&piece| worker.encode(self.volume, piece, &tried));
+        let bytes = lengths.map(|piece| Ok(piece?.bytes.len() as u64)).sum::<Result<u64, _>>()?;
+        let tried: u64 = pieces.iter().map(Brick::samples).sum();
+        let values = coding.form.values().map_or(0, |values| BYTES_PER_VALUE * values.count() as u64);
+        Ok(bytes + (u128::from(values) * u128::from(tried) / u128::from(self.samples())) as u64)
+    }
+
+    /// Some boxes as of small bricks, spread over the volume: together a `share` of it.
+    fn pieces(&self, share: Share) -> Vec<Brick> {
+        let samples = (self.samples() / share.one_in).max(share.fewest);
+        let mut sides = self.grid.sides;
+        let whole: u64 = sides.into_iter().map(u64::from).product();
+        let count = (samples / whole.min(share.fewest / share.pieces)).clamp(1, share.most_pieces);
+        while sides.into_iter().map(u64::from).product::<u64>() > samples / count {
+            let longest = (0..3).max_by_key(|&axis| sides[axis]).unwrap_or(0);
+            sides[longest] = sides[longest].div_ceil(2);
+        }
+        // Each place along an axis once, in another order along each: the steps have no factor in common with any count.
+        let origin = |number: u64, axis: usize| {
+            let place = (2 * number + 1) * [1, 11, 13][axis] % (2 * count);
+            let room = u128::from(self.grid.extent[axis] - u64::from(sides[axis]));
+            (room * u128::from(place) / u128::from(2 * count)) as u64
+        };
+        (0..count).map(|number| Brick { origin: per_axis(|axis| origin(number, axis)), sides }).collect()
+    }
+
+    fn samples(&self) -> u64 {
+        self.grid.extent.into_iter().product()
+    }
+}

@@ -1,0 +1,106 @@
+//! How the coefficients of a subband are predicted, and how a codestream says so.
+
+use super::forecast::{LARGEST_SUM, LARGEST_WEIGHT, RowMemory, Weighted, Weights, West};
+use super::residual::Models;
+use super::taps::{Planes, Taps};
+use super::weightless::Fixed;
+use super::{Coder, low_bits};
+use crate::transform::{Plan, Subband};
+
+/// How the coefficients of a subband are predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Predictor {
+    /// In the low-pass part: from the nearest samples.
+    Fixed(Fixed),
+    /// By a weighted sum of neighbours: in the first plane of the low-pass part, and everywhere else.
+    Trained(Weights, Weights),
+    /// As 0.
+    Zero,
+}
+
+/// Bits of the number of a predictor.
+const NUMBER_BITS: u32 = 3;
+
+const TRAINED: u32 = 5;
+const ZERO: u32 = 6;
+
+impl Predictor {
+    /// Codes the predictor of a subband. `None` if the codestream names none that there is.
+    pub(super) fn code<C: Coder>(
+        &self,
+        coder: &mut C,
+        models: &mut Models,
+        plan: &Plan,
+        subband: Subband,
+    ) -> Option<Self> {
+        let number = match self {
+            Self::Fixed(fixed) => fixed.number(),
+            Self::Trained(..) => TRAINED,
+            Self::Zero => ZERO,
+        };
+        match coder.raw(number, NUMBER_BITS) & low_bits(NUMBER_BITS) {
+            TRAINED => {
+                let (mut first, mut rest) = match *self {
+                    Self::Trained(first, rest) => (first, rest),
+                    _ => (Weights::ZERO, Weights::ZERO),
+                };
+                for (weights, planes) in [(&mut first, Planes::First), (&mut rest, Planes::Others)] {
+                    if let Some(taps) = Taps::new(plan, subband, planes) {
+                        code_weights(coder, models, weights, taps.weights())?;
+                    }
+                }
+                Some(Self::Trained(first, rest))
+            }
+            ZERO => Some(Self::Zero),
+            number if subband.orientation == 0 => Fixed::from_number(number).map(Self::Fixed),
+            _ => None,
+        }
+    }
+
+    /// The prediction of row `y` of plane `z` by weights, of which [`Predictor::Zero`] has none.
+    pub(super) fn weighted<'a>(
+        &self,
+        plan: &Plan,
+        subband: Subband,
+        coefficients: &[i32],
+        [y, z]: [usize; 2],
+        memory: &'a mut RowMemory<'_>,
+    ) -> Weighted<'a> {
+        let west = match self.weights(plan, subband, z) {
+            Some((taps, weights)) => weights.sum_row(&taps, coefficients, [y, z], memory),
+            None => {
+                memory.clear();
+                West::ZERO
+            }
+        };
+        Weighted { west, sums: memory.sums, upper_sums: memory.upper_sums }
+    }
+
+    /// The weights for plane `z`, and what they apply to; `None` if there are none.
+    fn weights(&self, plan: &Plan, subband: Subband, z: usize) -> Option<(Taps, &Weights)> {
+        let Self::Trained(first, rest) = self else { return None };
+        let in_first = if z == 0 { Taps::new(plan, subband, Planes::First) } else { None };
+        match in_first {
+            Some(taps) => Some((taps, first)),
+            None => Taps::new(plan, subband, Planes::Others).map(|taps| (taps, rest)),
+        }
+    }
+}
+
+/// Codes the first `count` weights.
+fn code_weights<C: Coder>(
+    coder: &mut C,
+    models: &mut Models,
+    weights: &mut Weights,
+    count: usize,
+) -> Option<()> {
+    let mut sum = 0_i32;
+    for weight in weights.0.iter_mut().take(count) {
+        *weight = models.code_weight(coder, *weight);
+        sum = sum.wrapping_add(weight.unsigned_abs().into());
+        if weight.unsigned_abs() > LARGEST_WEIGHT.unsigned_abs() || sum > LARGEST_SUM {
+            return None;
+        }
+    }
+    Some(())
+}

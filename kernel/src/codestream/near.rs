@@ -1,0 +1,231 @@
+//! Near-lossless encoding and decoding: the codestreams of [`Lattice`].
+
+use super::codec::{no_segments, restore, store};
+use super::header::{Header, Segments, Storage};
+use crate::coder::{Decoder, Encoder, Grid, LARGEST_SLACK, Precision};
+use crate::error::{at_least, exactly};
+use crate::extent::to_usize;
+use crate::memory::move_within;
+use crate::{DecodeError, EncodeError, Extent, Lattice, Malformed, Plan, SampleType, Slice, Wavelet};
+
+/// Levels that an encoder gives a lattice, at most.
+const MOST_LEVELS: u8 = 6;
+
+/// The coarsest lattice has at most this many samples along each axis, if [`MOST_LEVELS`] suffice.
+const COARSEST_SIDE: u32 = 4;
+
+/// What to encode near-losslessly, and how near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Near {
+    /// Samples per axis.
+    pub extent: Extent,
+    /// The type of the samples.
+    pub sample_type: SampleType,
+    /// How far a decoded sample may be from its original; above 2^30 - 1 it counts as that.
+    pub slack: u32,
+}
+
+impl Lattice {
+    /// `i32`s of scratch that encoding takes for samples of `extent`: about two per sample, and up to 144,000.
+    #[must_use]
+    pub fn encoding_scratch_len(extent: Extent) -> usize {
+        Grid::encoding_scratch_len(extent)
+    }
+
+    /// `i32`s of scratch that decoding takes for samples of `extent`, those of the level asked for: about one per
+    /// sample.
+    #[must_use]
+    pub const fn decoding_scratch_len(extent: Extent) -> usize {
+        Grid::decoding_scratch_len(extent)
+    }
+
+    /// Encodes `samples` (x fastest) into the beginning of `out` and returns the length of the codestream. No decoded
+    /// sample is further than the slack from its original; with a slack of 0 they are the same.
+    ///
+    /// An `out` of [`max_encoded_len`](crate::max_encoded_len) bytes always suffices; a shorter one does if the
+    /// codestream happens to fit. `samples` are what they were afterwards.
+    ///
+    /// # Errors
+    /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
+    /// [`Lattice::encoding_scratch_len`]; [`EncodeError::SampleOutOfRange`] if a sample is outside `sample_type`;
+    /// [`EncodeError::OutputFull`] if `out` is too short.
+    pub fn encode(
+        &mut self,
+        near: Near,
+        samples: &mut [i32],
+        scratch: &mut [i32],
+        out: &mut [u8],
+    ) -> Result<usize, EncodeError> {
+        let Near { extent, sample_type, .. } = near;
+        exactly(Slice::Samples, extent.samples(), samples.len())?;
+        at_least(Slice::Scratch, Self::encoding_scratch_len(extent), scratch.len())?;
+        if let Some(index) = sample_type.first_outside(samples) {
+            return Err(EncodeError::SampleOutOfRange { index });
+        }
+        let unlevelled = Plan::new(Wavelet::Haar, extent, 0).map_err(|_| EncodeError::OutputFull)?;
+        let stored = Header::stored(&unlevelled, sample_type).map(|header| (header.total_len(), header));
+        let room = stored.as_ref().map_or(out.len(), |(len, _)| out.len().min(len.saturating_sub(1)));
+        order(sample_type, samples);
+        let coded = self.encode_levels(near, samples, scratch, out.get_mut(..room).unwrap_or(&mut []));
+        order(sample_type, samples);
+        match (coded, stored) {
+            (Some(len), _) => Ok(len),
+            (None, Some((len, header))) if len <= out.len() => {
+                store(&header, samples, out);
+                Ok(len)
+            }
+            _ => Err(EncodeError::OutputFull),
+        }
+    }
+
+    /// Codes every lattice into `out`; `None` if they do not fit. `samples` are in order.
+    fn encode_levels(
+        &mut self,
+        near: Near,
+        samples: &[i32],
+        scratch: &mut [i32],
+        out: &mut [u8],
+    ) -> Option<usize> {
+        let Near { extent, sample_type, slack } = near;
+        let slack = slack.min(LARGEST_SLACK);
+        let levels = levels(extent);
+        let plan = Plan::new(Wavelet::Haar, extent, levels).ok()?;
+        let mut grid = Grid::of_samples(extent, precision(sample_type, slack, 0), samples, scratch)?;
+        self.choose_shrinking(&mut grid);
+        let storage = Storage::Lattice { slack, shrinking: grid.precision.shrinking };
+        let header = |segments| Header::new(sample_type, plan, storage, segments);
+        // The segments go where they begin if every length takes one byte, and are moved up afterwards.
+        let mut segments = Segments::new();
+        let gap = header(no_segments(levels)).header_len();
+        let mut end = gap;
+        for level in (0..=levels).rev() {
+            let mut encoder = Encoder::new(out.get_mut(end..).unwrap_or(&mut []));
+            if level == levels {
+                self.code_coarsest(&mut encoder, &mut grid, level)?;
+            } else {
+                self.code_level(&mut encoder, &mut grid, level)?;
+            }
+            let len = encoder.finish()?;
+            end = end.saturating_add(len);
+            let _ = segments.push(u32::try_from(len).unwrap_or(u32::MAX));
+        }
+        let header = header(segments);
+        let total = header.total_len();
+        if total > out.len() {
+            return None;
+        }
+        move_within(out, gap..end, header.header_len());
+        header.write(out);
+        Some(total)
+    }
+
+    /// Decodes a whole codestream into `samples`, x fastest.
+    ///
+    /// # Errors
+    /// As [`Lattice::decode_to_level`].
+    pub fn decode(
+        &mut self,
+        bytes: &[u8],
+        samples: &mut [i32],
+        scratch: &mut [i32],
+    ) -> Result<Header, DecodeError> {
+        self.decode_to_level(bytes, 0, samples, scratch)
+    }
+
+    /// Decodes the part of a codestream that makes `level`: 0 is full resolution, level L every 2^L-th sample along
+    /// each axis, ceil(n / 2^L) in all, no further from its original than [`Header::slack`].
+    ///
+    /// `bytes` may end after the segment of that level ([`Header::bytes_to_level`]).
+    ///
+    /// # Errors
+    /// [`DecodeError::OtherCodec`] if the codestream holds coefficients; [`DecodeError::LevelOutOfRange`] for a level
+    /// that it does not hold; [`DecodeError::Length`] if `samples` is not exactly [`Header::samples_len`] or `scratch`
+    /// is shorter than [`Lattice::decoding_scratch_len`] of [`Header::extent_at`]; otherwise what is wrong with
+    /// `bytes`. After an error `samples` and `scratch` are meaningless.
+    pub fn decode_to_level(
+        &mut self,
+        bytes: &[u8],
+        level: u8,
+        samples: &mut [i32],
+        scratch: &mut [i32],
+    ) -> Result<Header, DecodeError> {
+        let header = Header::parse(bytes)?;
+        let levels = header.plan().levels();
+        if header.storage == Storage::Coded || (header.is_stored() && levels > 0) {
+            return Err(DecodeError::OtherCodec);
+        }
+        if level > levels {
+            return Err(DecodeError::LevelOutOfRange { max: levels });
+        }
+        let extent = header.extent_at(level);
+        exactly(Slice::Samples, extent.samples(), samples.len())?;
+        at_least(Slice::Scratch, Self::decoding_scratch_len(extent), scratch.len())?;
+        if bytes.len() < header.len_to_level(level) {
+            return Err(DecodeError::Truncated);
+        }
+        if bytes.len() > header.total_len() {
+            return Err(DecodeError::TrailingBytes);
+        }
+        let payload = bytes.get(header.header_len()..).unwrap_or(&[]);
+        match header.storage {
+            Storage::Lattice { slack, shrinking } => {
+                let precision = precision(header.sample_type(), slack, shrinking);
+                let grid =
+                    Grid::of_nothing(extent, precision, level, samples, scratch).ok_or(Malformed::Extent)?;
+                self.decode_levels(&header, payload, level, grid)?;
+                order(header.sample_type(), samples);
+            }
+            _ => restore(header.sample_type(), payload, samples),
+        }
+        match header.sample_type().first_outside(samples) {
+            Some(_) => Err(Malformed::Sample.into()),
+            None => Ok(header),
+        }
+    }
+
+    /// Decodes the lattices down to `level`.
+    fn decode_levels(
+        &mut self,
+        header: &Header,
+        mut payload: &[u8],
+        level: u8,
+        mut grid: Grid<'_>,
+    ) -> Result<(), DecodeError> {
+        let coarsest = header.plan().levels();
+        for (lattice, &bytes) in (level..=coarsest).rev().zip(&header.segments) {
+            let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
+            let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
+            let coded = if lattice == coarsest {
+                self.code_coarsest(&mut decoder, &mut grid, lattice)
+            } else {
+                self.code_level(&mut decoder, &mut grid, lattice)
+            };
+            coded.ok_or(Malformed::Segment)?;
+            if !decoder.is_consumed() {
+                return Err(Malformed::Segment.into());
+            }
+            payload = rest;
+        }
+        Ok(())
+    }
+}
+
+/// Levels that an encoder gives a lattice of `extent`.
+fn levels(extent: Extent) -> u8 {
+    let [x, y, z] = extent.axes();
+    let longest = x.max(y).max(z);
+    (0..MOST_LEVELS).find(|&level| COARSEST_SIDE << level >= longest).unwrap_or(MOST_LEVELS)
+}
+
+/// The precision of samples that are in order.
+fn precision(sample_type: SampleType, slack: u32, shrinking: u8) -> Precision {
+    Precision { range: sample_type.range(), slack, shrinking }
+}
+
+/// Brings samples that travel as other bits into the order of their values, and back.
+fn order(sample_type: SampleType, samples: &mut [i32]) {
+    if sample_type == SampleType::U32 {
+        samples.iter_mut().for_each(|sample| *sample ^= i32::MIN);
+    }
+}
