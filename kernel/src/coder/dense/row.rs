@@ -154,7 +154,7 @@ impl Scaled {
         }
         let prediction = |weights: &Weights| {
             let change = predict(weights, &self.differences) >> (WEIGHT_BITS - FRACTION_BITS);
-            west.wrapping_add(change << self.down >> self.up).clamp(0, scale.highest << FRACTION_BITS)
+            west.wrapping_add(change << self.down >> self.up).max(0).min(scale.highest << FRACTION_BITS)
         };
         [prediction(&column.fast_weights), prediction(&column.slow_weights)]
     }

@@ -73,7 +73,7 @@ impl Quantizer {
         }
         let offset = i64::from(index).wrapping_mul(self.step.into());
         let [a, b, c, d, ..] =
-            i64::from(predicted).wrapping_add(offset).clamp(self.low, self.high).to_le_bytes();
+            i64::from(predicted).wrapping_add(offset).max(self.low).min(self.high).to_le_bytes();
         i32::from_le_bytes([a, b, c, d])
     }
 }

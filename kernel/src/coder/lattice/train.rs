@@ -78,7 +78,7 @@ fn fit(equations: &mut Equations, points: &[i32], step: u32) -> Weights {
     let mut weights = Weights::CUBIC;
     for every in ROUNDS {
         equations.clear();
-        for point in points.chunks_exact(VALUES).step_by(every) {
+        for point in points.chunks_exact(VALUES).step_by(every.max(1)) {
             let size = residual(point, &weights).unsigned_abs();
             let bound = u64::from(step).wrapping_add(size.wrapping_mul(5)).max(1);
             let counts = (u64::from(step).wrapping_mul(5) << FRACTION_BITS).checked_div(bound).unwrap_or(0);
@@ -103,7 +103,7 @@ fn gather(pass: &Pass, lattice: &[i32], window: &mut Window<'_>, points: &mut [i
     let rows = every.div_ceil(columns.max(1)) | 1;
     let taps = taps(pass.axis);
     let mut slots = points.chunks_exact_mut(VALUES);
-    for (turn, place) in pass.rows().step_by(rows).enumerate() {
+    for (turn, place) in pass.rows().step_by(rows.max(1)).enumerate() {
         let Some(row) = pass.new_row(place).and_then(|row| lattice.get(row)) else { continue };
         window.fill(lattice, place, true);
         window.set_own(row);
@@ -158,7 +158,7 @@ pub(super) fn bits(residual: u64, step: u32) -> u64 {
         return steps.wrapping_mul(steps).wrapping_mul(77) >> 16;
     }
     let argument = steps.wrapping_add(256);
-    let octave = argument.ilog2();
+    let octave = argument.checked_ilog2().unwrap_or(0);
     let fraction = (argument << 8).wrapping_shr(octave).wrapping_sub(256);
     (u64::from(octave).wrapping_sub(8) << 8).wrapping_add(fraction).wrapping_add(179)
 }
