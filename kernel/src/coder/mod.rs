@@ -61,3 +61,17 @@ const fn low_bits(count: u32) -> u32 {
         None => u32::MAX,
     }
 }
+
+/// The low 32 bits.
+#[inline(always)]
+const fn low_word(value: i64) -> i32 {
+    let [a, b, c, d, ..] = value.to_le_bytes();
+    i32::from_le_bytes([a, b, c, d])
+}
+
+/// The low 16 bits.
+#[inline(always)]
+const fn low_half(value: i32) -> i16 {
+    let [a, b, ..] = value.to_le_bytes();
+    i16::from_le_bytes([a, b])
+}

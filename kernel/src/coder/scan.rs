@@ -41,6 +41,15 @@ impl Coefficients<'_> {
         Choosing { plan, subband, coefficients, scratch: self.scratch, wide: self.wide }.best(training)
     }
 
+    /// Undoes the level of the transform that `resolution` completes.
+    pub(crate) fn undo_resolution(&mut self, resolution: u8) {
+        if resolution > 0
+            && let Some(level) = self.plan.levels().checked_sub(resolution)
+        {
+            self.plan.inverse_level(level, self.samples, self.scratch);
+        }
+    }
+
     /// Runs either direction of the coder over one subband, for which an encoder has chosen `predictor`; the coarser
     /// resolutions are known already, and their inverse transform is done.
     ///

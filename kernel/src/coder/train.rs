@@ -1,6 +1,7 @@
 //! Training of a predictor's weights: weighted least squares by its normal equations, in integers.
 
 use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights, pad};
+use super::low_half;
 use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
 
 /// Coefficients of the low-pass part that are trained on, about: of larger ones only every so many rows, of longer rows
@@ -305,13 +306,6 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
 /// The sum of products.
 fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
     a.iter().zip(b).fold(0, |sum: i32, (&a, &b)| sum.wrapping_add(i32::from(a).wrapping_mul(b.into())))
-}
-
-/// The low 16 bits.
-#[inline(always)]
-const fn low_half(value: i32) -> i16 {
-    let [a, b, ..] = value.to_le_bytes();
-    i16::from_le_bytes([a, b])
 }
 
 /// `value` times 2^`bits`.

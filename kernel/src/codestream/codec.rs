@@ -1,10 +1,11 @@
 //! Encoding and decoding of one line, slice or brick.
 
-use super::header::{Header, MAX_STORED_HEADER_BYTES, Segments, Storage};
-use crate::coder::{Coefficients, Decoder, Dense, Encoder, Models, Predictor, Training};
+use super::header::{Header, MAX_STORED_HEADER_BYTES, Storage};
+use super::segments::SegmentWriter;
+use super::stored::{Stored, restore};
+use crate::coder::{Coefficients, Dense, Encoder, Models, Predictor, Training};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
-use crate::memory::{copy, move_within};
 use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
 
 /// Bytes that always suffice for a codestream of `extent` samples of `sample_type`, whatever their values, wavelet
@@ -82,12 +83,9 @@ impl Codec {
             return Err(EncodeError::SampleOutOfRange { index });
         }
         plan.forward(samples, scratch)?;
-        // Samples as they are bound the length; `None` where they would not fit the format.
-        let stored = Header::stored(plan, sample_type).map(|header| (header.total_len(), header));
-        let room = stored.as_ref().map_or(out.len(), |(len, _)| out.len().min(len.saturating_sub(1)));
+        let stored = Stored::new(plan, sample_type);
         let mut coefficients = Coefficients { plan: *plan, samples, scratch, wide: sample_type.bytes() > 2 };
-        let room = out.get_mut(..room).unwrap_or(&mut []);
-        match self.encode_coefficients(effort, sample_type, &mut coefficients, room) {
+        match self.encode_coefficients(effort, sample_type, &mut coefficients, stored.room(out)) {
             Ok(len) => return Ok(len),
             Err(Full { resolution }) => {
                 let undone = plan.levels().saturating_sub(resolution.saturating_sub(1));
@@ -96,13 +94,7 @@ impl Codec {
                 }
             }
         }
-        match stored {
-            Some((len, header)) if len <= out.len() => {
-                store(&header, samples, out);
-                Ok(len)
-            }
-            _ => Err(EncodeError::OutputFull),
-        }
+        stored.write(samples, out)
     }
 
     /// Codes every resolution into `out`, and undoes the transform.
@@ -118,56 +110,39 @@ impl Codec {
             && plan.levels() == 0
             && Dense::suits(coefficients.samples)
         {
-            return encode_dense(dense, sample_type, coefficients, out).ok_or(Full { resolution: 0 });
+            let mut writer = SegmentWriter::new(sample_type, plan, Storage::Dense, out);
+            let Coefficients { samples, scratch, .. } = coefficients;
+            let coded =
+                writer.push(|encoder| dense.code(encoder, plan.extent(), sample_type, samples, scratch));
+            return coded.and_then(|()| writer.finish()).ok_or(Full { resolution: 0 });
         }
-        let header = |segments| Header::new(sample_type, plan, Storage::Coded, segments);
-        // The header holds the lengths of the segments, so it is written last: the segments go where they begin if
-        // every length takes one byte, and are moved up afterwards.
-        let mut segments = Segments::new();
-        let gap = header(no_segments(plan.levels())).header_len();
-        let mut end = gap;
+        let mut writer = SegmentWriter::new(sample_type, plan, Storage::Coded, out);
         self.models.reset();
         for resolution in 0..=plan.levels() {
-            let room = out.get_mut(end..).unwrap_or(&mut []);
-            let len = self
-                .encode_resolution(&mut effort, coefficients, resolution, room)
-                .ok_or(Full { resolution })?;
-            end = end.saturating_add(len);
-            let _ = segments.push(u32::try_from(len).unwrap_or(u32::MAX));
-            if let Some(level) = plan.levels().checked_sub(resolution)
-                && resolution > 0
-            {
-                plan.inverse_level(level, coefficients.samples, coefficients.scratch);
-            }
+            let coded = writer.push(|encoder| self.code(encoder, &mut effort, coefficients, resolution));
+            coded.ok_or(Full { resolution })?;
+            coefficients.undo_resolution(resolution);
         }
-        let header = header(segments);
-        let total = header.total_len();
-        if total > out.len() {
-            return Err(Full { resolution: plan.levels().saturating_add(1) });
-        }
-        move_within(out, gap..end, header.header_len());
-        header.write(out);
-        Ok(total)
+        writer.finish().ok_or(Full { resolution: plan.levels().saturating_add(1) })
     }
 
-    /// Codes one resolution into `out`; `None` if it does not fit.
-    fn encode_resolution(
+    /// Codes one resolution; `None` if it does not fit.
+    fn code(
         &mut self,
+        encoder: &mut Encoder<'_>,
         effort: &mut Effort<'_>,
         coefficients: &mut Coefficients<'_>,
         resolution: u8,
-        out: &mut [u8],
-    ) -> Option<usize> {
-        let mut encoder = Encoder::new(out);
+    ) -> Option<()> {
         for subband in coefficients.plan.subbands(resolution) {
             let training = match effort {
                 Effort::Fast => None,
                 Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
             };
             let predictor = coefficients.best_predictor(subband, training)?;
-            coefficients.code(&mut encoder, &mut self.models, subband, predictor)?;
+            coefficients.code(encoder, &mut self.models, subband, predictor)?;
         }
-        encoder.finish()
+        Some(())
     }
 
     /// Decodes a whole codestream into `samples`, x fastest.
@@ -230,42 +205,31 @@ impl Codec {
     ) -> Result<Header, DecodeError> {
         let header = Header::parse(bytes)?;
         let plan = header.plan();
-        match header.storage {
-            Storage::Lattice { .. } => return Err(DecodeError::OtherCodec),
-            Storage::Dense if dense.is_none() => return Err(DecodeError::NeedsDense),
-            _ => {}
-        }
+        let dense = match (header.storage, dense) {
+            (Storage::Lattice { .. }, _) => return Err(DecodeError::OtherCodec),
+            (Storage::Dense, None) => return Err(DecodeError::NeedsDense),
+            (Storage::Dense, dense) => dense,
+            (Storage::Coded | Storage::Stored, _) => None,
+        };
         if level > plan.levels() {
             return Err(DecodeError::LevelOutOfRange { max: plan.levels() });
         }
-        exactly(Slice::Samples, header.samples_len(level), samples.len())?;
-        at_least(Slice::Scratch, header.scratch_len(), scratch.len())?;
-        if bytes.len() < header.len_to_level(level) {
-            return Err(DecodeError::Truncated);
-        }
-        if bytes.len() > header.total_len() {
-            return Err(DecodeError::TrailingBytes);
-        }
-        let payload = bytes.get(header.header_len()..).unwrap_or(&[]);
-        match header.storage {
-            Storage::Lattice { .. } => return Err(DecodeError::OtherCodec),
-            Storage::Coded => {
-                let wide = header.sample_type().bytes() > 2;
-                let target = Coefficients { plan: plan.coarsened(level), samples, scratch, wide };
-                self.decode_coefficients(&header, payload, target)?;
+        let payload = header.payload(bytes, level, samples, (header.scratch_len(), scratch))?;
+        if let Some(dense) = dense {
+            header.each_segment(payload, 1, |_, decoder| {
+                dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch)
+            })?;
+        } else if header.is_stored() {
+            restore(header.sample_type(), payload, samples);
+            if level > 0 {
+                let finest =
+                    Plan::new(plan.wavelet(), plan.extent(), level).map_err(|_| Malformed::Levels)?;
+                finest.low_pass(samples, scratch)?;
             }
-            Storage::Dense => {
-                let dense = dense.ok_or(DecodeError::NeedsDense)?;
-                decode_dense(dense, &header, payload, samples, scratch).ok_or(Malformed::Segment)?;
-            }
-            Storage::Stored => {
-                restore(header.sample_type(), payload, samples);
-                if level > 0 {
-                    let finest =
-                        Plan::new(plan.wavelet(), plan.extent(), level).map_err(|_| Malformed::Levels)?;
-                    finest.low_pass(samples, scratch)?;
-                }
-            }
+        } else {
+            let wide = header.sample_type().bytes() > 2;
+            let target = Coefficients { plan: plan.coarsened(level), samples, scratch, wide };
+            self.decode_coefficients(&header, payload, target)?;
         }
         if level == 0 && header.sample_type().first_outside(samples).is_some() {
             return Err(Malformed::Sample.into());
@@ -281,97 +245,17 @@ impl Codec {
         mut target: Coefficients<'_>,
     ) -> Result<(), DecodeError> {
         self.models.reset();
-        let mut payload = payload;
-        for (resolution, &bytes) in (0..=target.plan.levels()).zip(&header.segments) {
-            let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
-            let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
+        header.each_segment(payload, target.plan.levels().saturating_add(1), |resolution, decoder| {
             for subband in target.plan.subbands(resolution) {
-                let coded = target.code(&mut decoder, &mut self.models, subband, Predictor::Zero);
-                coded.ok_or(Malformed::Segment)?;
+                target.code(decoder, &mut self.models, subband, Predictor::Zero)?;
             }
-            if !decoder.is_consumed() {
-                return Err(Malformed::Segment.into());
-            }
-            payload = rest;
-            if let Some(level) = target.plan.levels().checked_sub(resolution)
-                && resolution > 0
-            {
-                target.plan.inverse_level(level, target.samples, target.scratch);
-            }
-        }
-        Ok(())
+            target.undo_resolution(resolution);
+            Some(())
+        })
     }
-}
-
-/// Codes the samples of a plan without levels into `out`; they are what they were afterwards. `None` if they do not
-/// fit.
-fn encode_dense(
-    dense: &mut Dense,
-    sample_type: SampleType,
-    brick: &mut Coefficients<'_>,
-    out: &mut [u8],
-) -> Option<usize> {
-    let header = |segments| Header::new(sample_type, brick.plan, Storage::Dense, segments);
-    let gap = header(no_segments(0)).header_len();
-    let mut encoder = Encoder::new(out.get_mut(gap..)?);
-    dense.code(&mut encoder, brick.plan.extent(), sample_type, brick.samples, brick.scratch)?;
-    let len = encoder.finish()?;
-    let mut segments = Segments::new();
-    segments.push(u32::try_from(len).ok()?).ok()?;
-    let header = header(segments);
-    let total = header.total_len();
-    out.get(..total)?;
-    move_within(out, gap..gap.wrapping_add(len), header.header_len());
-    header.write(out);
-    Some(total)
 }
 
 /// The output was too short for a resolution: the finer ones are still transformed.
 struct Full {
     resolution: u8,
-}
-
-/// Decodes dense samples; `None` if no encoder wrote them.
-fn decode_dense(
-    dense: &mut Dense,
-    header: &Header,
-    segment: &[u8],
-    samples: &mut [i32],
-    scratch: &mut [i32],
-) -> Option<()> {
-    let mut decoder = Decoder::new(segment)?;
-    dense.code(&mut decoder, header.plan().extent(), header.sample_type(), samples, scratch)?;
-    decoder.is_consumed().then_some(())
-}
-
-/// A length of 0 for every segment.
-pub(super) fn no_segments(levels: u8) -> Segments {
-    let mut segments = Segments::new();
-    let _ = segments.resize(usize::from(levels).wrapping_add(1), 0);
-    segments
-}
-
-/// Writes `header` and the samples as they are, little-endian, to the beginning of `out`.
-pub(super) fn store(header: &Header, samples: &[i32], out: &mut [u8]) {
-    header.write(out);
-    let payload = out.get_mut(header.header_len()..).unwrap_or(&mut []);
-    let size = header.sample_type().bytes();
-    for (bytes, sample) in payload.chunks_exact_mut(size.max(1)).zip(samples) {
-        let sample = sample.to_le_bytes();
-        copy(&sample, bytes);
-    }
-}
-
-/// Reads samples that are stored as they are.
-pub(super) fn restore(sample_type: SampleType, payload: &[u8], samples: &mut [i32]) {
-    for (sample, bytes) in samples.iter_mut().zip(payload.chunks_exact(sample_type.bytes())) {
-        *sample = match (sample_type, bytes) {
-            (SampleType::I8, &[byte]) => i8::from_le_bytes([byte]).into(),
-            (SampleType::U8, &[byte]) => byte.into(),
-            (SampleType::I16, &[a, b]) => i16::from_le_bytes([a, b]).into(),
-            (SampleType::U16, &[a, b]) => u16::from_le_bytes([a, b]).into(),
-            (_, &[a, b, c, d]) => i32::from_le_bytes([a, b, c, d]),
-            _ => 0,
-        };
-    }
 }

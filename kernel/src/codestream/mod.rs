@@ -2,6 +2,8 @@
 mod codec;
 mod header;
 mod near;
+mod segments;
+mod stored;
 
 pub use codec::{Codec, Effort, max_encoded_len};
 pub use header::Header;

@@ -1,11 +1,10 @@
 //! Near-lossless encoding and decoding: the codestreams of [`Lattice`].
 
-use super::codec::{no_segments, restore, store};
-use super::header::{Header, Segments, Storage};
-use crate::coder::{Decoder, Encoder, Grid, LARGEST_SLACK, Precision};
+use super::header::{Header, Storage};
+use super::segments::SegmentWriter;
+use super::stored::{Stored, restore};
+use crate::coder::{Coder, Grid, LARGEST_SLACK, Precision};
 use crate::error::{at_least, exactly};
-use crate::extent::to_usize;
-use crate::memory::move_within;
 use crate::{DecodeError, EncodeError, Extent, Lattice, Malformed, Plan, SampleType, Slice, Wavelet};
 
 /// Levels that an encoder gives a lattice, at most.
@@ -64,19 +63,11 @@ impl Lattice {
             return Err(EncodeError::SampleOutOfRange { index });
         }
         let unlevelled = Plan::new(Wavelet::Haar, extent, 0).map_err(|_| EncodeError::OutputFull)?;
-        let stored = Header::stored(&unlevelled, sample_type).map(|header| (header.total_len(), header));
-        let room = stored.as_ref().map_or(out.len(), |(len, _)| out.len().min(len.saturating_sub(1)));
+        let stored = Stored::new(&unlevelled, sample_type);
         order(sample_type, samples);
-        let coded = self.encode_levels(near, samples, scratch, out.get_mut(..room).unwrap_or(&mut []));
+        let coded = self.encode_levels(near, samples, scratch, stored.room(out));
         order(sample_type, samples);
-        match (coded, stored) {
-            (Some(len), _) => Ok(len),
-            (None, Some((len, header))) if len <= out.len() => {
-                store(&header, samples, out);
-                Ok(len)
-            }
-            _ => Err(EncodeError::OutputFull),
-        }
+        coded.map_or_else(|| stored.write(samples, out), Ok)
     }
 
     /// Codes every lattice into `out`; `None` if they do not fit. `samples` are in order.
@@ -94,30 +85,20 @@ impl Lattice {
         let mut grid = Grid::of_samples(extent, precision(sample_type, slack, 0), samples, scratch)?;
         self.choose_shrinking(&mut grid);
         let storage = Storage::Lattice { slack, shrinking: grid.precision.shrinking };
-        let header = |segments| Header::new(sample_type, plan, storage, segments);
-        // The segments go where they begin if every length takes one byte, and are moved up afterwards.
-        let mut segments = Segments::new();
-        let gap = header(no_segments(levels)).header_len();
-        let mut end = gap;
+        let mut writer = SegmentWriter::new(sample_type, plan, storage, out);
         for level in (0..=levels).rev() {
-            let mut encoder = Encoder::new(out.get_mut(end..).unwrap_or(&mut []));
-            if level == levels {
-                self.code_coarsest(&mut encoder, &mut grid, level)?;
-            } else {
-                self.code_level(&mut encoder, &mut grid, level)?;
-            }
-            let len = encoder.finish()?;
-            end = end.saturating_add(len);
-            let _ = segments.push(u32::try_from(len).unwrap_or(u32::MAX));
+            writer.push(|encoder| self.code(encoder, &mut grid, level, levels))?;
         }
-        let header = header(segments);
-        let total = header.total_len();
-        if total > out.len() {
-            return None;
+        writer.finish()
+    }
+
+    /// Runs either direction of the coder over the lattice of `level`; `None` for what no encoder writes.
+    fn code<C: Coder>(&mut self, coder: &mut C, grid: &mut Grid<'_>, level: u8, coarsest: u8) -> Option<()> {
+        if level == coarsest {
+            self.code_coarsest(coder, grid, level)
+        } else {
+            self.code_level(coder, grid, level)
         }
-        move_within(out, gap..end, header.header_len());
-        header.write(out);
-        Some(total)
     }
 
     /// Decodes a whole codestream into `samples`, x fastest.
@@ -159,21 +140,16 @@ impl Lattice {
             return Err(DecodeError::LevelOutOfRange { max: levels });
         }
         let extent = header.extent_at(level);
-        exactly(Slice::Samples, extent.samples(), samples.len())?;
-        at_least(Slice::Scratch, Self::decoding_scratch_len(extent), scratch.len())?;
-        if bytes.len() < header.len_to_level(level) {
-            return Err(DecodeError::Truncated);
-        }
-        if bytes.len() > header.total_len() {
-            return Err(DecodeError::TrailingBytes);
-        }
-        let payload = bytes.get(header.header_len()..).unwrap_or(&[]);
+        let payload = header.payload(bytes, level, samples, (Self::decoding_scratch_len(extent), scratch))?;
         match header.storage {
             Storage::Lattice { slack, shrinking } => {
                 let precision = precision(header.sample_type(), slack, shrinking);
-                let grid =
+                let mut grid =
                     Grid::of_nothing(extent, precision, level, samples, scratch).ok_or(Malformed::Extent)?;
-                self.decode_levels(&header, payload, level, grid)?;
+                let count = levels.saturating_sub(level).saturating_add(1);
+                header.each_segment(payload, count, |number, decoder| {
+                    self.code(decoder, &mut grid, levels.saturating_sub(number), levels)
+                })?;
                 order(header.sample_type(), samples);
             }
             _ => restore(header.sample_type(), payload, samples),
@@ -182,32 +158,6 @@ impl Lattice {
             Some(_) => Err(Malformed::Sample.into()),
             None => Ok(header),
         }
-    }
-
-    /// Decodes the lattices down to `level`.
-    fn decode_levels(
-        &mut self,
-        header: &Header,
-        mut payload: &[u8],
-        level: u8,
-        mut grid: Grid<'_>,
-    ) -> Result<(), DecodeError> {
-        let coarsest = header.plan().levels();
-        for (lattice, &bytes) in (level..=coarsest).rev().zip(&header.segments) {
-            let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
-            let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
-            let coded = if lattice == coarsest {
-                self.code_coarsest(&mut decoder, &mut grid, lattice)
-            } else {
-                self.code_level(&mut decoder, &mut grid, lattice)
-            };
-            coded.ok_or(Malformed::Segment)?;
-            if !decoder.is_consumed() {
-                return Err(Malformed::Segment.into());
-            }
-            payload = rest;
-        }
-        Ok(())
     }
 }
 

@@ -1,5 +1,7 @@
 //! Least squares that adapts as coding goes: normal equations over decaying windows, solved after every chunk.
 
+use crate::coder::{low_half, low_word};
+
 /// Differences that a prediction is made of; zeros stand behind those of a smaller neighbourhood.
 pub(super) const TAPS: usize = 24;
 
@@ -259,20 +261,6 @@ const LARGEST_FACTOR: i64 = (1 << 31) - 1;
 fn products(parts: &[i32], factors: &[i32]) -> i32 {
     let products = parts.iter().zip(factors).map(|(&p, &f)| i64::from(p).wrapping_mul(f.into()));
     low_word(products.fold(0, i64::wrapping_add) >> FACTOR_BITS)
-}
-
-/// The low 32 bits.
-#[inline(always)]
-pub(super) const fn low_word(value: i64) -> i32 {
-    let [a, b, c, d, ..] = value.to_le_bytes();
-    i32::from_le_bytes([a, b, c, d])
-}
-
-/// The low 16 bits.
-#[inline(always)]
-pub(super) const fn low_half(value: i32) -> i16 {
-    let [a, b, ..] = value.to_le_bytes();
-    i16::from_le_bytes([a, b])
 }
 
 #[cfg(test)]

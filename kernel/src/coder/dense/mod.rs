@@ -35,7 +35,7 @@ const EARLY: u32 = 16;
 /// As [`EARLY`].
 const SLOW_EVERY: u32 = 4;
 
-/// The memory of [`Effort::Dense`](crate::Effort::Dense) and of decoding what it encoded, of fixed size, about 64 KiB.
+/// The memory of [`Effort::Dense`](crate::Effort::Dense) and of decoding what it encoded, of fixed size, about 74 KiB.
 ///
 /// Every call starts afresh, so one `Dense` serves any number of codestreams.
 #[derive(Debug, PartialEq, Eq)]

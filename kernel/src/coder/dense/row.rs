@@ -3,10 +3,11 @@
 use core::ops::Range;
 
 use super::Column;
-use super::equations::{Chunk, SCALED_BITS, TAPS, WEIGHT_BITS, Weights, low_half, low_word, predict};
+use super::equations::{Chunk, SCALED_BITS, TAPS, WEIGHT_BITS, Weights, predict};
 use super::neighbours::{Neighbours, RowAround};
 use super::residual::{Errors, FRACTION_BITS, Models};
 use crate::coder::Coder;
+use crate::coder::{low_half, low_word};
 
 /// Bits that samples may span.
 const MOST_SPAN_BITS: u32 = 25;
