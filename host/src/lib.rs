@@ -3,7 +3,10 @@
 pub mod atomic;
 pub mod bound;
 pub mod codec;
+pub mod field;
 pub mod integers;
+pub mod mesh;
+pub mod subdivision;
 pub mod tables;
 pub mod transform;
 pub mod volume;

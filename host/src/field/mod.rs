@@ -1,0 +1,7 @@
+//! Scalar fields on regular grids, trilinear between their samples.
+
+mod grid;
+mod scalar;
+
+pub use grid::Grid;
+pub use scalar::{FieldError, ScalarField};

@@ -1,0 +1,5 @@
+//! Catmull–Clark connectivity: what a mesh becomes when every face of n sides is split into n quads.
+
+mod split;
+
+pub use split::Split;
