@@ -9,6 +9,9 @@ pub(super) struct Layout {
     pub(super) extent: [usize; 3],
     /// Nodes of a block along each axis, without its border.
     pub(super) side: [usize; 3],
+    /// Binary logarithms of the steps in the arrays of a block along y and z, so that coordinates come from a place
+    /// without divisions.
+    shifts: [u32; 2],
     /// Blocks along each axis.
     pub(super) blocks: [usize; 3],
     /// Distance between nodes.
@@ -47,7 +50,8 @@ impl Layout {
         let blocks = grid.extent.map(|nodes| nodes.div_ceil(side.clamp(4, 128)));
         let side = std::array::from_fn(|axis| grid.extent[axis].div_ceil(blocks[axis]));
         let spacing = grid.spacing.to_array().map(|step| step as f32);
-        Ok(Self { extent: grid.extent, side, blocks, spacing })
+        let [x, y, _]: [u32; 3] = side.map(|nodes: usize| (nodes + 2).next_power_of_two().trailing_zeros());
+        Ok(Self { extent: grid.extent, side, shifts: [x, x + y], blocks, spacing })
     }
 
     /// Number of blocks.
@@ -66,25 +70,27 @@ impl Layout {
         (z * self.blocks[1] + y) * self.blocks[0] + x
     }
 
-    /// Nodes of a block along an axis, with its border.
-    pub(super) fn across(&self, axis: usize) -> usize {
-        self.side[axis] + 2
+    /// Length of the arrays of a block.
+    fn all(&self) -> usize {
+        (self.side[2] + 2) << self.shifts[1]
     }
 
-    /// Nodes of a block, with its border.
-    fn all(&self) -> usize {
-        self.across(0) * self.across(1) * self.across(2)
+    /// Steps in the arrays of a block along each axis.
+    pub(super) fn strides(&self) -> [usize; 3] {
+        [1, 1 << self.shifts[0], 1 << self.shifts[1]]
     }
 
     /// Place of a node in the arrays of a block, by its coordinates there: 0 is the border, 1 the first node.
+    #[inline]
     pub(super) fn index(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.across(1) + y) * self.across(0) + x
+        z << self.shifts[1] | y << self.shifts[0] | x
     }
 
     /// Coordinates in a block, by place in its arrays.
+    #[inline]
     pub(super) fn coordinates(&self, index: usize) -> [usize; 3] {
-        let [x, y] = [self.across(0), self.across(1)];
-        [index % x, index / x % y, index / (x * y)]
+        let [y, z] = self.shifts;
+        [index & ((1 << y) - 1), index >> y & ((1 << (z - y)) - 1), index >> z]
     }
 
     /// The node of the grid at a place in the arrays of a block.
@@ -99,7 +105,7 @@ impl Layout {
         // The coordinates in the block that lie in the grid, along each axis: the first, and one beyond the last.
         let within: [[usize; 2]; 3] = std::array::from_fn(|axis| {
             let before = place[axis] * self.side[axis];
-            [usize::from(before == 0), (self.extent[axis] + 1 - before).min(self.across(axis))]
+            [usize::from(before == 0), (self.extent[axis] + 1 - before).min(self.side[axis] + 2)]
         });
         let mut values = vec![-1.0; self.all()];
         for z in within[2][0]..within[2][1] {

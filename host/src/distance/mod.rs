@@ -169,12 +169,11 @@ fn finish(
     let [width, height, _] = seeding.grid.extent;
     let mut values = vec![0.0_f32; seeding.grid.len()];
     values.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, values)| {
-        for (x, value) in values.iter_mut().enumerate() {
-            let node = [x, row % height, row / height];
-            let word = propagation.word(node);
+        let [y, z] = [row % height, row / height];
+        for (x, (value, word)) in values.iter_mut().zip(propagation.row(y, z)).enumerate() {
             *value = f32::NAN;
             if let Some(triangle) = propagation.triangle(word) {
-                let foot = neighbours.slide(seeding.surface, seeding.position(node), triangle);
+                let foot = neighbours.slide(seeding.surface, seeding.position([x, y, z]), triangle);
                 let distance = foot.squared.sqrt().min(limit) as f32;
                 *value = if signs.inside(row * width + x, &foot, word) { -distance } else { distance };
             }
