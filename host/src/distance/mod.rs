@@ -22,6 +22,7 @@
 
 mod block;
 mod propagate;
+mod refine;
 mod seed;
 mod sign;
 mod slide;
@@ -36,6 +37,7 @@ use crate::isosurface::{ContourError, contour};
 use crate::mesh::TriangleMesh;
 use block::Layout;
 use propagate::Propagation;
+use refine::Refined;
 use seed::Seeding;
 use sign::Signs;
 use slide::Neighbours;
@@ -158,7 +160,7 @@ pub fn of_mesh(mesh: &TriangleMesh, grid: &Grid, options: &Options) -> Result<Di
     Ok(finish(&seeding, &propagation, &neighbours, &signs, options.limit))
 }
 
-/// Lets all nodes slide, and puts distances in the order of the grid.
+/// Lets all nodes slide, and gives distances their signs.
 fn finish(
     seeding: &Seeding,
     propagation: &Propagation,
@@ -166,16 +168,17 @@ fn finish(
     signs: &Signs,
     limit: f64,
 ) -> Distance {
-    let [width, height, _] = seeding.grid.extent;
-    let mut values = vec![0.0_f32; seeding.grid.len()];
-    values.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, values)| {
-        let [y, z] = [row % height, row / height];
-        for (x, (value, word)) in values.iter_mut().zip(propagation.row(y, z)).enumerate() {
+    let words = propagation.words();
+    let refined = Refined { seeding, neighbours, sites: &propagation.sites, words: &words };
+    let mut values = vec![0.0_f32; words.len()];
+    values.par_chunks_mut(seeding.grid.extent[0]).enumerate().with_min_len(16).for_each(|(row, values)| {
+        let first = row * values.len();
+        for (x, value) in values.iter_mut().enumerate() {
             *value = f32::NAN;
-            if let Some(triangle) = propagation.triangle(word) {
-                let foot = neighbours.slide(seeding.surface, seeding.position([x, y, z]), triangle);
+            if let Some(foot) = refined.foot(first + x) {
                 let distance = foot.squared.sqrt().min(limit) as f32;
-                *value = if signs.inside(row * width + x, &foot, word) { -distance } else { distance };
+                let inside = signs.inside(first + x, &foot, words[first + x]);
+                *value = if inside { -distance } else { distance };
             }
         }
     });

@@ -107,8 +107,18 @@ impl Propagation {
         Ok(Self { blocks, updates, rounds, sites, layout })
     }
 
+    /// The words of the sites of all nodes, x fastest.
+    pub(super) fn words(&self) -> Vec<u32> {
+        let [width, height, depth] = self.layout.extent;
+        let mut words = vec![0; width * height * depth];
+        words.par_chunks_mut(width).enumerate().for_each(|(row, words)| {
+            words.iter_mut().zip(self.row(row % height, row / height)).for_each(|(word, site)| *word = site);
+        });
+        words
+    }
+
     /// The words of the sites of a row of nodes along x.
-    pub(super) fn row(&self, y: usize, z: usize) -> impl Iterator<Item = u32> {
+    fn row(&self, y: usize, z: usize) -> impl Iterator<Item = u32> {
         let layout = &self.layout;
         let [side, y_side, z_side] = layout.side;
         let start = layout.index([1, y % y_side + 1, z % z_side + 1]);

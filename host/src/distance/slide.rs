@@ -15,6 +15,7 @@ const STEPS: usize = 32;
 #[derive(Debug)]
 pub(super) struct Neighbours {
     across: Vec<[u32; 3]>,
+    around: Around,
 }
 
 impl Neighbours {
@@ -31,7 +32,8 @@ impl Neighbours {
                 others.next().unwrap_or(NONE)
             })
         };
-        Self { across: surface.triangles.par_iter().enumerate().with_min_len(4096).map(across).collect() }
+        let across = surface.triangles.par_iter().enumerate().with_min_len(4096).map(across).collect();
+        Self { across, around }
     }
 
     /// The triangle across an edge.
@@ -45,15 +47,19 @@ impl Neighbours {
     pub(super) fn slide(&self, surface: &Surface, from: Point, triangle: u32) -> Foot {
         let mut foot = surface.foot(triangle, from);
         for _ in 0..STEPS {
-            let edges = match foot.feature {
-                Feature::Face => break,
-                Feature::Edge(edge) => [edge, edge],
-                Feature::Corner(corner) => [corner, (corner + 2) % 3],
+            let feet = |others: &[u32]| {
+                let feet = others.iter().map(|&other| surface.foot(other, from));
+                feet.min_by(|a, b| a.squared.total_cmp(&b.squared))
             };
-            let edges = if edges[0] == edges[1] { &edges[..1] } else { &edges[..] };
-            let others = edges.iter().filter_map(|&edge| self.across(foot.triangle, edge));
-            let feet = others.map(|other| surface.foot(other, from));
-            let Some(best) = feet.min_by(|a, b| a.squared.total_cmp(&b.squared)) else { break };
+            let best = match foot.feature {
+                Feature::Face => None,
+                Feature::Edge(edge) => self.across(foot.triangle, edge).and_then(|other| feet(&[other])),
+                Feature::Corner(corner) => {
+                    let vertex = surface.triangles[foot.triangle as usize][usize::from(corner)];
+                    feet(self.around.vertex(vertex))
+                }
+            };
+            let Some(best) = best else { break };
             if best.squared >= foot.squared {
                 break;
             }
