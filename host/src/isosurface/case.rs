@@ -10,7 +10,7 @@ use super::decide::{self, Joined};
 pub(super) struct Pattern {
     /// Corners of each triangle: edges of the cell, or [`EDGES`] + n for the middle of loop n of `middles`.
     pub(super) triangles: Vec<[u8; 3]>,
-    /// Loops that have a vertex in the middle.
+    /// The edges whose vertices have a vertex in the middle; some edges twice or more, where they weigh more.
     pub(super) middles: Vec<Vec<u8>>,
 }
 
@@ -120,7 +120,10 @@ impl Decision {
             let corners = [sides[a][side], sides[b][side]];
             let rest = (0..loops.len()).filter(|&other| other != a && other != b);
             let mut pattern = disks(rest.map(|other| &loops[other][..]));
-            pattern.triangles.extend(tube(&loops[a], &loops[b])?);
+            match tube(&loops[a], &loops[b]) {
+                Some(triangles) => pattern.triangles.extend(triangles),
+                None => add_waist(&loops[a], &loops[b], &mut pattern),
+            }
             Some(Tube { corners, pattern })
         });
         Self { tubes: tubes.collect(), disks: disks(loops.iter().map(Vec::as_slice)), joined }
@@ -228,6 +231,35 @@ fn tube(one: &[u8], other: &[u8]) -> Option<Vec<[u8; 3]>> {
         strip(&forwards, &backwards).filter(|(_, triangles)| sides_differ(triangles))
     });
     choices.min_by_key(|(length, _)| *length).map(|(_, triangles)| triangles)
+}
+
+/// Adds a tube between two loops with three vertices around its waist, which needs no side between the loops: it is made of
+/// a strip from each loop to the waist.
+fn add_waist(one: &[u8], other: &[u8], pattern: &mut Pattern) {
+    let gap = |edge: u8| {
+        let ends = cell::middle(usize::from(one[0])).into_iter().zip(cell::middle(usize::from(edge)));
+        ends.map(|(a, b)| (a - b).pow(2)).sum::<i32>()
+    };
+    let turn = (0..other.len()).min_by_key(|&n| gap(other[n])).unwrap_or(0);
+    let other = [&other[turn..], &other[..turn]].concat();
+    let first = EDGES + pattern.middles.len();
+    // Vertices of the waist are between a third of each loop, and drawn inwards so that none lies on a face.
+    let mut waist = vec![[one, &other].concat(); 3];
+    // The loops turn against each other.
+    for (edges, order) in [(one, [0, 1, 2]), (&other[..], [0, 2, 1])] {
+        let count = edges.len();
+        let third = |n: usize| order[n % count * 3 / count];
+        for n in 0..count {
+            let [this, next] = [third(n), third(n + 1)];
+            waist[this].extend([edges[n]; 2]);
+            let [low, high] = [this, next].map(|third| (first + third) as u8);
+            pattern.triangles.push([edges[n], edges[(n + 1) % count], low]);
+            if this != next {
+                pattern.triangles.push([low, edges[(n + 1) % count], high]);
+            }
+        }
+    }
+    pattern.middles.extend(waist);
 }
 
 /// Whether no side is used twice in the same direction.

@@ -52,10 +52,11 @@ impl Column {
         self.high - self.low
     }
 
-    /// Where the column changes sides.
+    /// Where the column changes sides; somewhere if both ends are infinite.
     fn crossing(&self) -> Option<f64> {
         let crosses = (self.low > 0.0) != (self.high > 0.0);
-        crosses.then(|| self.low / (self.low - self.high))
+        let place = self.low / (self.low - self.high);
+        crosses.then_some(if place.is_nan() { 0.5 } else { place })
     }
 
     /// The corner that the column leads to from z without changing sides.

@@ -10,7 +10,7 @@
 //! 3. Two loops bound a tube if the trilinear interpolant joins their corners through the inside of the cell (the question
 //!    is Chernyaev's, 1995; the answer here is exact, by a sweep of slices: see `decide.rs`). All other loops bound disks.
 //! 4. Disks and tubes are triangulated without edges across faces of the cell, which would meet those of the neighbour.
-//!    Where that is impossible, a disk has a vertex in the middle.
+//!    Where that is impossible, a disk has a vertex in the middle, and a tube three around its waist.
 //!
 //! So the result is always a manifold, whose boundary lies on the border of the volume, whatever the values are. The cases
 //! are derived from the rules when they are first needed; no table is stored in the source.

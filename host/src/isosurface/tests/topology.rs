@@ -16,15 +16,15 @@ fn resampled(field: &ScalarField, fine: usize) -> ScalarField {
 #[test]
 fn euler_characteristics_are_those_of_finely_sampled_interpolants() {
     let mut noise = Noise(5);
-    let (mut same, mut tried) = (0, 0);
     for _ in 0..3000 {
         let field = noise.field([2, 2, 2], 1_000_000);
         let mesh = contour(&field, 0.5).unwrap();
-        let fine = contour(&resampled(&field, 16), 0.5).unwrap();
         assert_manifold(&mesh, field.grid());
-        tried += 1;
-        same += usize::from(euler_characteristic(&mesh) == euler_characteristic(&fine));
+        // Narrow necks need a closer look.
+        let agrees = |fine: usize| {
+            let fine = contour(&resampled(&field, fine), 0.5).unwrap();
+            euler_characteristic(&mesh) == euler_characteristic(&fine)
+        };
+        assert!([16, 64, 192].into_iter().any(agrees), "{:?}", field.values());
     }
-    println!("{same} of {tried}");
-    assert!(same * 1000 >= tried * 990, "{same} of {tried}");
 }
