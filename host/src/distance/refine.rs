@@ -1,6 +1,6 @@
 //! The nearest point of each node, once points have been handed on.
 
-use super::block::{SEED, SITE};
+use super::block::SITE;
 use super::seed::{Seeding, Site};
 use super::slide::Neighbours;
 use super::surface::Foot;
@@ -11,10 +11,6 @@ const APART: f64 = 0.75;
 
 /// How much nearer than the point itself, in edges of a cell, the surface around a neighbour's point may be.
 const SLACK: f64 = 0.2;
-
-/// Nodes farther from their points than this, in edges of a cell, do not walk: points of neighbours are as good as theirs,
-/// as the error is at most half the squared distance between sites over this one.
-const FAR: f64 = 48.0;
 
 /// What nearest points are found from.
 #[derive(Clone, Copy, Debug)]
@@ -36,22 +32,14 @@ impl Refined<'_> {
         let grid = self.seeding.grid;
         let from = self.seeding.position(grid.node(node));
         let own = self.site(node)?;
-        let step = grid.spacing.min_element();
-        let foot = self.seeding.surface.foot(own.triangle, from);
-        // All triangles that meet a cell of a seed were looked at, and others are at least a cell's edge away.
-        let is_seed = self.words[node] & SEED != 0;
-        if is_seed && foot.squared < step * step || foot.squared > (FAR * step).powi(2) {
-            return Some(foot);
-        }
-        let mut foot = self.neighbours.slide(self.seeding.surface, foot, from);
-        let apart = (APART * step).powi(2);
+        let mut foot = self.neighbours.slide(self.seeding.surface, from, own.triangle);
+        let apart = (APART * grid.spacing.min_element()).powi(2);
         let slack = SLACK * grid.spacing.max_element();
         for other in grid.neighbours(node).filter_map(|next| self.site(next)) {
             let point = Point::from_array(other.point.map(f64::from));
             let reach = foot.squared.sqrt() + slack;
             if from.distance_squared(point) < reach * reach && foot.point.distance_squared(point) > apart {
-                let start = self.seeding.surface.foot(other.triangle, from);
-                let chance = self.neighbours.slide(self.seeding.surface, start, from);
+                let chance = self.neighbours.slide(self.seeding.surface, from, other.triangle);
                 if chance.squared < foot.squared {
                     foot = chance;
                 }

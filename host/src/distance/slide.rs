@@ -42,13 +42,13 @@ impl Neighbours {
         (other != NONE).then_some(other)
     }
 
-    /// The nearest point to be found from one of a triangle on: while the nearest point of the triangle lies on its border, the
+    /// The nearest point to be found from a triangle on: while the nearest point of the triangle lies on its border, the
     /// walk goes on to a neighbour there that is nearer.
-    pub(super) fn slide(&self, surface: &Surface, mut foot: Foot, from: Point) -> Foot {
+    pub(super) fn slide(&self, surface: &Surface, from: Point, triangle: u32) -> Foot {
+        let mut foot = surface.foot(triangle, from);
         for _ in 0..STEPS {
             let feet = |others: &[u32]| {
-                let promising = others.iter().filter(|&&other| leads_nearer(surface, other, &foot));
-                let feet = promising.map(|&other| surface.foot(other, from));
+                let feet = others.iter().map(|&other| surface.foot(other, from));
                 feet.min_by(|a, b| a.squared.total_cmp(&b.squared))
             };
             let best = match foot.feature {
@@ -67,12 +67,6 @@ impl Neighbours {
         }
         foot
     }
-}
-
-/// Whether a triangle that contains a foot has nearer points: it has if and only if the way to one of its corners begins
-/// towards the node.
-fn leads_nearer(surface: &Surface, triangle: u32, foot: &Foot) -> bool {
-    surface.corners(triangle).iter().any(|&corner| (corner - foot.point).dot(foot.offset) > 0.0)
 }
 
 /// The triangles around each vertex, as compressed rows.
