@@ -7,6 +7,7 @@ pub mod field;
 pub mod integers;
 pub mod mesh;
 pub mod subdivision;
+pub mod surface_codec;
 pub mod surface_wavelet;
 pub mod tables;
 pub mod transform;

@@ -1,5 +1,7 @@
 //! All steps of subdivision from a base mesh, with their rules.
 
+use std::ops::Range;
+
 use super::{Rules, Split, SubdivisionSurface};
 use crate::mesh::{Faces, Features};
 
@@ -17,6 +19,8 @@ pub struct Step {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hierarchy {
     base_vertices: usize,
+    /// Where the sides of each face of the base mesh begin, and the end of the last.
+    base_starts: Vec<usize>,
     steps: Vec<Step>,
 }
 
@@ -44,7 +48,11 @@ impl Hierarchy {
             };
             steps.push(step);
         }
-        Self { base_vertices, steps }
+        let starts = base.iter().scan(0, |end, face| {
+            *end += face.len();
+            Some(*end)
+        });
+        Self { base_vertices, base_starts: std::iter::once(0).chain(starts).collect(), steps }
     }
 
     /// The steps from coarse to fine.
@@ -58,6 +66,11 @@ impl Hierarchy {
     /// If there are fewer levels.
     pub fn vertices(&self, level: usize) -> usize {
         level.checked_sub(1).map_or(self.base_vertices, |step| self.steps[step].split.finer_vertices())
+    }
+
+    /// Which sides a face of the mesh that a step splits has, in the order of [`Split::side_edges`].
+    pub fn sides(&self, step: usize, face: usize) -> Range<usize> {
+        if step == 0 { self.base_starts[face]..self.base_starts[face + 1] } else { 4 * face..4 * face + 4 }
     }
 
     /// Number of vertices of the finest mesh.

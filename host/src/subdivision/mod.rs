@@ -2,11 +2,13 @@
 //! vertices.
 
 mod hierarchy;
+mod limit;
 mod rules;
 mod split;
 mod surface;
 
 pub use hierarchy::{Hierarchy, Step};
+pub use limit::{Limit, limit, normals};
 pub use rules::{EdgeRule, Rules, VertexRule};
 pub use split::Split;
 pub use surface::{Splits, SubdivisionSurface};
