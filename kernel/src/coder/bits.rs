@@ -52,7 +52,11 @@ pub trait BitCoder {
         let odds = core::array::from_fn(|i| chances.get(i).map_or(0, |chance| chance.0.odds()));
         let chance = mix.0.chance(&odds);
         let bit = self.decide(bit, chance);
-        mix.0.learn(&odds, chance, bit);
+        // Without this, weights would grow without end where decisions are always alike.
+        if !Mixer::<N>::is_sure(chance, bit) {
+            mix.0.learn(&odds, chance, bit);
+            mix.0.bound();
+        }
         for chance in chances {
             chance.0.learn(bit);
         }
@@ -157,6 +161,22 @@ mod tests {
         let mut encoder = BitEncoder::new(&mut bytes[..10]);
         code(&mut encoder, &given, |_, _, _| ());
         assert_eq!(encoder.finish(), None);
+    }
+
+    /// A million decisions that are alike cost next to nothing, and what comes after them is not worse for it.
+    #[test]
+    fn weights_do_not_run_away() {
+        let mut bytes = [0; 4096];
+        let mut encoder = BitEncoder::new(&mut bytes);
+        let (mut chances, mut mix) = ([Chance::EVEN; 4], Mix::new(1 << 14));
+        let mut code = |bit| {
+            let [first, second, third, fourth] = &mut chances;
+            encoder.mixed(bit, [first, second, third, fourth], &mut mix);
+        };
+        (0..1_000_000).for_each(|_| code(false));
+        (0..1000).for_each(|place| code(place % 2 == 0));
+        let len = encoder.finish().unwrap();
+        assert!(len < 1400, "{len}");
     }
 
     #[test]

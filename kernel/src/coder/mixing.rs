@@ -171,6 +171,9 @@ const MIXING_RATE: i32 = 6;
 /// No chance of a mixer is smaller, nor that of false.
 const LEAST_CHANCE: u32 = 32;
 
+/// No weight of a [bounded](Mixer::bound) mixer is larger in magnitude: 8.
+const LARGEST_WEIGHT: i32 = 1 << 19;
+
 /// Weights of the odds of `N` counters, in 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mixer<const N: usize>([i32; N]);
@@ -186,6 +189,20 @@ impl<const N: usize> Mixer<N> {
     pub(super) fn chance(&self, odds: &[i32; N]) -> u32 {
         let parts = self.0.iter().zip(odds).map(|(weight, odds)| weight.wrapping_mul(*odds) >> 4);
         squash(parts.fold(0, i32::wrapping_add) >> 12).clamp(LEAST_CHANCE, (1 << 16) - LEAST_CHANCE)
+    }
+
+    /// Whether `chance` is as far from even as a mixer says, and `bit` is what it expects: then there is nothing to learn.
+    #[inline(always)]
+    pub(super) const fn is_sure(chance: u32, bit: bool) -> bool {
+        if bit { chance >= (1 << 16) - LEAST_CHANCE } else { chance <= LEAST_CHANCE }
+    }
+
+    /// Keeps weights so small that their products with odds do not overflow.
+    #[inline(always)]
+    pub(super) fn bound(&mut self) {
+        for weight in &mut self.0 {
+            *weight = (*weight).clamp(-LARGEST_WEIGHT, LARGEST_WEIGHT);
+        }
     }
 
     /// Learns what was decided when these odds made `chance`.
