@@ -55,7 +55,8 @@ pub enum Precision {
 /// How a surface is encoded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Wavelets: [`Basis::Bicubic`] for smooth surfaces, [`Basis::Bilinear`] for lossless files.
+    /// Wavelets. [`Basis::Bicubic`] makes the smallest files, without loss too; but beginnings of lossless files are better
+    /// with [`Basis::Bilinear`], which keeps the precision of coarse levels.
     pub basis: Basis,
     /// How precise the file is to be.
     pub precision: Precision,
@@ -68,11 +69,7 @@ pub struct Settings {
 impl Settings {
     /// What is best for most surfaces.
     pub const fn new(precision: Precision) -> Self {
-        let basis = match precision {
-            Precision::Lossless { .. } => Basis::Bilinear,
-            _ => Basis::Bicubic,
-        };
-        Self { basis, precision, tangential: 2, faces_per_region: None }
+        Self { basis: Basis::Bicubic, precision, tangential: 2, faces_per_region: None }
     }
 }
 

@@ -163,10 +163,10 @@ mod tests {
         assert_eq!(encoder.finish(), None);
     }
 
-    /// A million decisions that are alike cost next to nothing, and what comes after them is not worse for it.
+    /// A million decisions that are alike cost next to nothing, and a thousand others after them fit the bytes.
     #[test]
     fn weights_do_not_run_away() {
-        let mut bytes = [0; 4096];
+        let mut bytes = [0; 1400];
         let mut encoder = BitEncoder::new(&mut bytes);
         let (mut chances, mut mix) = ([Chance::EVEN; 4], Mix::new(1 << 14));
         let mut code = |bit| {
@@ -176,7 +176,7 @@ mod tests {
         (0..1_000_000).for_each(|_| code(false));
         (0..1000).for_each(|place| code(place % 2 == 0));
         let len = encoder.finish().unwrap();
-        assert!(len < 1400, "{len}");
+        assert!(len > 100, "{len}");
     }
 
     #[test]
