@@ -3,8 +3,19 @@
 //! Positions are in the units of the field or file they come from. Faces are counter-clockwise seen from outside, which
 //! for an isosurface is where values are below the isovalue.
 
+mod builder;
+mod error;
+mod file;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod text;
 mod triangulation;
 
+pub use error::{MeshFault, MeshFileError};
+pub use file::{MeshFormat, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
 pub use triangulation::Triangulation;
 
