@@ -4,9 +4,12 @@
 //! for an isosurface is where values are below the isovalue.
 
 mod builder;
+mod check;
+mod edges;
 mod error;
 mod file;
 mod gltf;
+mod intersection;
 mod obj;
 mod off;
 mod ply;
@@ -14,9 +17,11 @@ mod stl;
 mod text;
 mod triangulation;
 
+pub use check::{Component, Report};
 pub use error::{MeshFault, MeshFileError};
 pub use file::{MeshFormat, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
+pub use intersection::self_intersections;
 pub use triangulation::Triangulation;
 
 /// Points and polygons over them: what files, checks, measures and pictures need of a mesh.
