@@ -7,6 +7,7 @@ mod builder;
 mod check;
 mod edges;
 mod error;
+mod feature;
 mod file;
 mod gltf;
 mod intersection;
@@ -19,6 +20,7 @@ mod triangulation;
 
 pub use check::{Component, Report};
 pub use error::{MeshFault, MeshFileError};
+pub use feature::FeatureAngles;
 pub use file::{MeshFormat, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
 pub use intersection::self_intersections;
