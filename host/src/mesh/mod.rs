@@ -14,6 +14,7 @@ mod intersection;
 mod obj;
 mod off;
 mod ply;
+mod repair;
 mod stl;
 mod text;
 mod triangulation;
@@ -24,6 +25,7 @@ pub use feature::FeatureAngles;
 pub use file::{MeshFormat, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
 pub use intersection::self_intersections;
+pub use repair::Repairs;
 pub use triangulation::Triangulation;
 
 /// Points and polygons over them: what files, checks, measures and pictures need of a mesh.
