@@ -83,7 +83,7 @@ impl Component {
 impl Report {
     /// Examines a mesh.
     ///
-    /// Cost: sorting of the sides; 40 bytes a side; about 1 s for a million triangles.
+    /// Cost: sorting of the sides; 40 bytes a side; about 2 s for a million triangles.
     pub fn of(surface: &impl Surface) -> Self {
         let edges = Edges::new(surface);
         let mut parts = Parts::new(surface, &edges);
