@@ -3,9 +3,11 @@
 pub mod atomic;
 pub mod bound;
 pub mod codec;
+pub mod distance;
 pub mod field;
 pub mod integers;
 pub mod measure;
+pub mod isosurface;
 pub mod mesh;
 pub mod picture;
 pub mod subdivision;
