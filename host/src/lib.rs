@@ -6,6 +6,7 @@ pub mod codec;
 pub mod field;
 pub mod integers;
 pub mod mesh;
+pub mod simplify;
 pub mod subdivision;
 pub mod tables;
 pub mod transform;
