@@ -2,15 +2,19 @@
 //!
 //! Source: Vis2000 §4.1, Diss §4.1.5, Dataflow §3.
 
+mod base;
 mod collapse;
 mod corners;
 mod deviation;
+mod edge_removal;
 mod legality;
 mod priority;
 mod star;
 mod surface;
 
+pub use base::base_mesh;
 pub use collapse::{Collapsed, collapse_edges};
+pub use edge_removal::remove_edges;
 
 use crate::field::Grid;
 use crate::mesh::Features;
