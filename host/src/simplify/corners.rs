@@ -169,11 +169,26 @@ impl Corners {
         outer
     }
 
-    /// The triangles that are left, in order.
-    pub(super) fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+    /// The triangles that are left, in order, with new names for their vertices; and the new name of each side.
+    pub(super) fn compact(&self, names: &[u32]) -> (Self, Vec<u32>) {
+        let mut sides = vec![NONE; self.corners.len()];
+        let left = self.corners.iter().zip(&mut sides).filter(|(corner, _)| corner.vertex != NONE);
+        for (name, (_, side)) in (0..).zip(left) {
+            *side = name;
+        }
+        let there = self.corners.iter().filter(|corner| corner.vertex != NONE);
+        let renamed = there.map(|corner| Corner {
+            vertex: names[corner.vertex as usize],
+            twin: sides.get(corner.twin as usize).copied().unwrap_or(NONE),
+        });
+        let corners = renamed.collect();
+        (Self { corners }, sides)
+    }
+
+    /// The triangles, none of which may be gone.
+    pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
         let (triangles, _) = self.corners.as_chunks::<3>();
-        let left = triangles.iter().filter(|corners| corners[0].vertex != NONE);
-        left.map(|corners| corners.map(|corner| corner.vertex))
+        triangles.iter().map(|corners| corners.map(|corner| corner.vertex)).collect()
     }
 }
 

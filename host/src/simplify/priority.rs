@@ -66,6 +66,11 @@ impl BucketQueue {
         self.lowest = self.lowest.min(rank);
     }
 
+    /// Takes all items out.
+    pub(super) fn clear(&mut self) {
+        while self.pop().is_some() {}
+    }
+
     /// Takes the first item of the smallest rank, and tells the rank.
     pub(super) fn pop(&mut self) -> Option<(u32, u32)> {
         while self.lowest < BUCKETS {

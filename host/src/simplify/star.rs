@@ -18,6 +18,8 @@ pub(super) struct Wing {
 pub(super) struct Star {
     wings: [Wing; MOST as usize],
     count: usize,
+    /// How many belong to the first end.
+    split: usize,
     /// Vertices across from the edge, [`NONE`] on the boundary.
     pub(super) across: [u32; 2],
 }
@@ -29,8 +31,10 @@ impl Star {
         let twin = corners.twin(side);
         let apex = |side: u32| if side == NONE { NONE } else { corners.from(previous(side)) };
         let wing = Wing { rim: [NONE; 2], end: 0 };
-        let mut star = Self { wings: [wing; MOST as usize], count: 0, across: [apex(side), apex(twin)] };
+        let mut star =
+            Self { wings: [wing; MOST as usize], count: 0, split: 0, across: [apex(side), apex(twin)] };
         star.gather(surface, [side, twin], 0)?;
+        star.split = star.count;
         star.gather(surface, [twin, side], 1)?;
         Some(star)
     }
@@ -73,10 +77,15 @@ impl Star {
     /// Whether the ends have no neighbour in common but those across from the edge: the link condition, under which a
     /// collapse keeps the topology.
     pub(super) fn is_simple(&self) -> bool {
-        let (first, second) = self.wings().split_at(self.wings().partition_point(|wing| wing.end == 0));
-        let own = |vertex: &u32| !self.across.contains(vertex);
-        let mut neighbours = first.iter().flat_map(|wing| wing.rim).filter(own);
-        self.across[0] != self.across[1]
-            && neighbours.all(|vertex| second.iter().all(|wing| !wing.rim.contains(&vertex)))
+        let (first, second) = self.wings().split_at(self.split);
+        let shared = |vertex: u32| vertex != self.across[0] && vertex != self.across[1];
+        let apart = |one: &Wing, two: &Wing| {
+            let [from, to] = one.rim;
+            from != two.rim[0]
+                && to != two.rim[1]
+                && (to != two.rim[0] || !shared(to))
+                && (from != two.rim[1] || !shared(from))
+        };
+        self.across[0] != self.across[1] && first.iter().all(|one| second.iter().all(|two| apart(one, two)))
     }
 }

@@ -240,29 +240,38 @@ impl Surface {
         }
     }
 
+    /// The same surface without gaps where triangles and vertices are gone; all keep their order.
+    pub(super) fn compact(self) -> Self {
+        let mut names = vec![NONE; self.vertices.len()];
+        let mut vertices = Vec::new();
+        for (vertex, name) in
+            self.vertices.into_iter().zip(&mut names).filter(|(vertex, _)| vertex.leaving != NONE)
+        {
+            *name = vertices.len() as u32;
+            vertices.push(vertex);
+        }
+        let (corners, sides) = self.corners.compact(&names);
+        for vertex in &mut vertices {
+            vertex.leaving = sides[vertex.leaving as usize];
+        }
+        let left = self.sharp.iter().zip(&sides).filter(|&(_, &side)| side != NONE);
+        let sharp = left.map(|(&sharp, _)| sharp).collect();
+        Self { corners, vertices, sharp }
+    }
+
     /// The mesh and the features that are left; vertices keep their order.
     pub(super) fn into_mesh(self) -> (TriangleMesh, Features) {
-        let mut names = vec![NONE; self.vertices.len()];
-        let mut mesh = TriangleMesh::default();
-        let mut features = Features::default();
-        for (vertex, name) in
-            self.vertices.iter().zip(&mut names).filter(|(vertex, _)| vertex.leaving != NONE)
-        {
-            *name = mesh.positions.len() as u32;
-            mesh.positions.push(vertex.position);
-            if vertex.pinned {
-                features.vertices.push(*name);
-            }
-        }
-        let rename = |corners: [u32; 3]| corners.map(|vertex| names[vertex as usize]);
-        mesh.triangles = self.corners.triangles().map(rename).collect();
-        let sharp = (0..self.corners.len()).filter(|&side| {
-            self.corners.is_edge(side) && self.corners.twin(side) != NONE && self.is_sharp(side)
-        });
-        let ends = sharp.map(|side| self.corners.ends(side).map(|vertex| names[vertex as usize]));
-        features.edges = ends.map(|[a, b]| [a.min(b), a.max(b)]).collect();
-        features.edges.sort_unstable();
-        (mesh, features)
+        let surface = self.compact();
+        let corners = &surface.corners;
+        let sharp = (0..corners.len())
+            .filter(|&side| corners.is_edge(side) && corners.twin(side) != NONE && surface.is_sharp(side));
+        let mut edges: Vec<_> =
+            sharp.map(|side| corners.ends(side)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        edges.sort_unstable();
+        let numbered = (0..).zip(&surface.vertices);
+        let vertices = numbered.filter(|(_, vertex)| vertex.pinned).map(|(index, _)| index).collect();
+        let positions = surface.vertices.iter().map(|vertex| vertex.position).collect();
+        (TriangleMesh { positions, triangles: corners.triangles() }, Features { edges, vertices })
     }
 }
 
