@@ -150,7 +150,10 @@ impl Collapse {
             return None;
         }
         let place = place(&self.surface, side)?;
-        let star = Star::new(&self.surface, side).filter(Star::is_simple)?;
+        let star = Star::new(&self.surface, side)?;
+        if !star.is_simple() {
+            return None;
+        }
         Some((place, candidate(&self.surface, side, place, &star, self.per_unit)?))
     }
 

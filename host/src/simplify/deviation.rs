@@ -29,8 +29,17 @@ pub(super) struct Candidate {
     pub(super) error: f64,
 }
 
-/// A triangle at the merged vertex: its normal of twice its area, and the length of that.
-type Sector = (Point, f64);
+/// The triangles of a star as vectors from the first end of the edge.
+struct Ring {
+    /// Number of triangles.
+    count: usize,
+    /// From one rim vertex to the other, for each triangle.
+    rims: [Point; MOST as usize],
+    /// Cross product of the vectors to both rim vertices: twice the area where the first end is the third vertex.
+    crosses: [Point; MOST as usize],
+    /// The second end.
+    edge: Point,
+}
 
 /// Position and error of the collapse of a side's edge, or nothing where a triangle would turn over.
 pub(super) fn candidate(
@@ -41,77 +50,79 @@ pub(super) fn candidate(
     per_unit: f64,
 ) -> Option<Candidate> {
     let ends = surface.corners.ends(side).map(|vertex| surface.vertex(vertex));
+    let ring = Ring::new(surface, star, ends);
+    let offset = match place {
+        Place::End(0) => Point::ZERO,
+        Place::End(_) => ring.edge,
+        Place::Between if ends[0].kind == Kind::Smooth => ring.between(star),
+        Place::Between => 0.5 * ring.edge,
+    };
+    let (distance, shape) = ring.deviation(star, offset)?;
     let position = match place {
         Place::End(end) => ends[end].position,
-        Place::Between => between(surface, ends, star),
+        Place::Between => ends[0].position + offset,
     };
-    let mut sectors = [(Point::ZERO, 0.0); MOST as usize];
-    let distance = turn(surface, star, ends, position, &mut sectors)?;
-    let along = ends.iter().all(|end| end.kind != Kind::Smooth);
+    let along = ends[0].kind != Kind::Smooth && ends[1].kind != Kind::Smooth;
     let aside = if along { curve_distance(surface, side, position) } else { 0.0 };
     let distance = distance.max(aside) * per_unit;
     let accumulated = f64::from(ends[0].accumulated.max(ends[1].accumulated));
-    let error = accumulated + distance.max(LEAST) * shape(&sectors[..star.wings().len()]);
-    Some(Candidate { position, error })
+    Some(Candidate { position, error: accumulated + distance.max(LEAST) * shape })
 }
 
-/// Finds the new triangles and the larger distance of the ends from their planes (4.1); nothing where one turns over.
-fn turn(
-    surface: &Surface,
-    star: &Star,
-    ends: [&Vertex; 2],
-    position: Point,
-    sectors: &mut [Sector],
-) -> Option<f64> {
-    let offsets = ends.map(|end| end.position - position);
-    let mut distance = 0.0_f64;
-    for (wing, sector) in star.wings().iter().zip(sectors) {
-        let [from, to] = wing.rim.map(|vertex| surface.vertex(vertex).position - position);
-        let normal = from.cross(to);
-        let before = (from - offsets[wing.end]).cross(to - offsets[wing.end]);
-        let (square, agreement) = (normal.length_squared(), normal.dot(before));
-        // Written so that a triangle without area is none that agrees.
-        let agrees =
-            agreement > 0.0 && agreement * agreement > TURN * TURN * square * before.length_squared();
-        if !agrees {
-            return None;
+impl Ring {
+    fn new(surface: &Surface, star: &Star, ends: [&Vertex; 2]) -> Self {
+        let origin = ends[0].position;
+        let none = [Point::ZERO; MOST as usize];
+        let mut ring =
+            Self { count: star.wings().len(), rims: none, crosses: none, edge: ends[1].position - origin };
+        for (place, wing) in star.wings().iter().enumerate() {
+            let from = surface.vertex(wing.rim[0]).position - origin;
+            let to = surface.vertex(wing.rim[1]).position - origin;
+            ring.rims[place] = to - from;
+            ring.crosses[place] = from.cross(to);
         }
-        let length = square.sqrt();
-        let farthest = offsets[0].dot(normal).abs().max(offsets[1].dot(normal).abs());
-        distance = distance.max(farthest / length);
-        *sector = (normal, length);
+        ring
     }
-    Some(distance)
-}
 
-/// The factor of (4.2): 1 for a flat ring of equal triangles, large for skewed and tangled ones.
-fn shape(sectors: &[Sector]) -> f64 {
-    let normal: Point = sectors.iter().map(|&(normal, length)| normal / length).sum();
-    let normal = normal.normalize_or_zero();
-    let least = sectors.iter().map(|(cross, _)| cross.dot(normal)).fold(f64::INFINITY, f64::min);
-    let most = sectors.iter().map(|&(_, length)| length).fold(f64::MIN_POSITIVE, f64::max);
-    let factor = 2.0 - least.min(most) / most;
-    (factor * factor) * (factor * factor)
-}
+    /// The middle of the edge, moved along the ring's normal so that the volume stays.
+    fn between(&self, star: &Star) -> Point {
+        let area: Point = self.crosses[..self.count].iter().sum();
+        let second: Point = self.crosses[star.split..self.count].iter().sum();
+        let middle = 0.5 * self.edge;
+        // Six times the volumes between the ring and the first end: before, and less that of the middle.
+        let volume = self.edge.dot(second) - middle.dot(area);
+        let shift = area * (volume / area.length_squared().max(f64::MIN_POSITIVE));
+        middle + shift.clamp_length_max(middle.length())
+    }
 
-/// The middle of an edge, moved along the ring's normal so that the volume stays; on curves just the middle.
-fn between(surface: &Surface, [first, second]: [&Vertex; 2], star: &Star) -> Point {
-    let middle = first.position.midpoint(second.position);
-    if first.kind != Kind::Smooth {
-        return middle;
+    /// The larger distance of the ends from the planes of the new triangles (4.1), and the factor of (4.2), which is 1 for a
+    /// flat ring of equal triangles and large for skewed and tangled ones; nothing where a triangle turns over.
+    fn deviation(&self, star: &Star, offset: Point) -> Option<(f64, f64)> {
+        let mut normals = [Point::ZERO; MOST as usize];
+        let (mut distance, mut most, mut sum) = (0.0_f64, 0.0_f64, Point::ZERO);
+        let rest = self.edge - offset;
+        for (place, kept) in normals[..self.count].iter_mut().enumerate() {
+            let (rim, cross) = (self.rims[place], self.crosses[place]);
+            let normal = cross - offset.cross(rim);
+            let before = if place < star.split { cross } else { cross - self.edge.cross(rim) };
+            let (square, agreement) = (normal.length_squared(), normal.dot(before));
+            // Written so that a triangle without area is none that agrees.
+            let agrees =
+                agreement > 0.0 && agreement * agreement > TURN * TURN * square * before.length_squared();
+            if !agrees {
+                return None;
+            }
+            let inverse = square.sqrt().recip();
+            distance = distance.max(offset.dot(normal).abs().max(rest.dot(normal).abs()) * inverse);
+            most = most.max(square);
+            sum += normal * inverse;
+            *kept = normal;
+        }
+        let least = normals[..self.count].iter().map(|cross| cross.dot(sum)).fold(f64::INFINITY, f64::min);
+        let scale = (sum.length_squared() * most).max(f64::MIN_POSITIVE).sqrt();
+        let factor = 2.0 - least.min(scale) / scale;
+        Some((distance, (factor * factor) * (factor * factor)))
     }
-    let local = |vertex: u32| surface.vertex(vertex).position - middle;
-    let ends = [first.position - middle, second.position - middle];
-    let edge = ends[0].cross(ends[1]);
-    let mut volume = edge.dot(local(star.across[0])) - edge.dot(local(star.across[1]));
-    let mut area = Point::ZERO;
-    for wing in star.wings() {
-        let cross = local(wing.rim[0]).cross(local(wing.rim[1]));
-        area += cross;
-        volume += ends[wing.end].dot(cross);
-    }
-    let shift = area * (volume / area.length_squared().max(f64::MIN_POSITIVE));
-    middle + shift.clamp_length_max(ends[0].length())
 }
 
 /// How far the ends of an edge of a curve are from the curve's new edges.

@@ -9,8 +9,6 @@ use super::surface::Surface;
 pub(super) struct Wing {
     /// The two vertices that stay, counter-clockwise.
     pub(super) rim: [u32; 2],
-    /// Which end of the edge is its third vertex now.
-    pub(super) end: usize,
 }
 
 /// The wings of an edge, those of its first end first.
@@ -19,35 +17,36 @@ pub(super) struct Star {
     wings: [Wing; MOST as usize],
     count: usize,
     /// How many belong to the first end.
-    split: usize,
+    pub(super) split: usize,
     /// Vertices across from the edge, [`NONE`] on the boundary.
     pub(super) across: [u32; 2],
 }
 
 impl Star {
     /// Gathers the star of a side's edge, or nothing where it has more wings than a vertex may have.
+    #[inline]
     pub(super) fn new(surface: &Surface, side: u32) -> Option<Self> {
         let corners = &surface.corners;
         let twin = corners.twin(side);
         let apex = |side: u32| if side == NONE { NONE } else { corners.from(previous(side)) };
-        let wing = Wing { rim: [NONE; 2], end: 0 };
+        let wing = Wing { rim: [NONE; 2] };
         let mut star =
             Self { wings: [wing; MOST as usize], count: 0, split: 0, across: [apex(side), apex(twin)] };
-        star.gather(surface, [side, twin], 0)?;
+        star.gather(surface, [side, twin])?;
         star.split = star.count;
-        star.gather(surface, [twin, side], 1)?;
+        star.gather(surface, [twin, side])?;
         Some(star)
     }
 
     /// Gathers at the end where `out` begins and `back` ends: counter-clockwise from `out` round to `back` or up to the
     /// boundary, and from there clockwise on from `back`.
-    fn gather(&mut self, surface: &Surface, [out, back]: [u32; 2], end: usize) -> Option<()> {
+    fn gather(&mut self, surface: &Surface, [out, back]: [u32; 2]) -> Option<()> {
         let corners = &surface.corners;
         let stop = if back == NONE { NONE } else { next(back) };
         if out != NONE {
             let mut side = corners.left(out);
             while side != stop && side != NONE {
-                self.add(surface, side, end)?;
+                self.add(surface, side)?;
                 side = corners.left(side);
             }
             if side != NONE {
@@ -56,16 +55,16 @@ impl Star {
         }
         let mut side = if stop == NONE { NONE } else { corners.right(stop) };
         while side != NONE {
-            self.add(surface, side, end)?;
+            self.add(surface, side)?;
             side = corners.right(side);
         }
         Some(())
     }
 
-    fn add(&mut self, surface: &Surface, side: u32, end: usize) -> Option<()> {
+    fn add(&mut self, surface: &Surface, side: u32) -> Option<()> {
         let corners = &surface.corners;
         let rim = [corners.to(side), corners.from(previous(side))];
-        *self.wings.get_mut(self.count)? = Wing { rim, end };
+        *self.wings.get_mut(self.count)? = Wing { rim };
         self.count += 1;
         Some(())
     }
