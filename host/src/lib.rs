@@ -7,6 +7,7 @@ pub mod field;
 pub mod integers;
 pub mod measure;
 pub mod mesh;
+pub mod picture;
 pub mod simplify;
 pub mod subdivision;
 pub mod tables;
