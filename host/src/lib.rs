@@ -3,8 +3,10 @@
 pub mod atomic;
 pub mod bound;
 pub mod codec;
+pub mod distance;
 pub mod field;
 pub mod integers;
+pub mod isosurface;
 pub mod measure;
 pub mod mesh;
 pub mod picture;
