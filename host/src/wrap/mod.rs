@@ -5,20 +5,26 @@
 
 mod attract;
 mod border;
+mod cluster;
 mod error;
+mod goal;
 mod level;
 mod probe;
 mod quality;
 mod refine;
 mod relax;
+mod repair;
 mod report;
 mod rings;
+#[cfg(test)]
+mod tests;
 
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 pub use error::WrapError;
+pub use goal::Target;
 pub use quality::Inverted;
 pub use report::{LevelReport, Misfit, WrapReport};
 
@@ -90,14 +96,15 @@ pub fn wrap(base: &PolygonMesh, distance: &ScalarField, options: &WrapOptions) -
             level.relax(&space.border, options);
             missed = level.attract(&space, options.reach);
         }
-        let (_, inverted) = quality::inverted(&level, &space, 0.0);
+        let goal = goal::Goal::new(Target::Distance, &space);
+        let [inverted_before, inverted] = repair::repair(&mut level, &space, &goal);
         let found = LevelReport {
             level: levels,
             vertices: level.positions.len(),
             at_vertices: misfit(&space, level.positions.par_iter().copied()),
             at_faces: misfit(&space, (0..level.faces.len()).into_par_iter().map(|face| centre(&level, face))),
             unsnapped: missed.len(),
-            inverted_before: inverted,
+            inverted_before,
             inverted,
             seconds: begun.elapsed().as_secs_f64(),
         };

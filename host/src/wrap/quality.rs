@@ -23,11 +23,20 @@ pub(super) fn corner(before: Point, place: Point, next: Point, outwards: Point) 
     if sine.is_finite() { sine } else { -1.0 }
 }
 
+/// All corners of a face.
+fn corners(face: &[u32], positions: &[Point], outwards: Point) -> impl Iterator<Item = f64> {
+    let at = move |place: usize| positions[face[place % face.len()] as usize];
+    (0..face.len()).map(move |place| corner(at(place), at(place + 1), at(place + 2), outwards))
+}
+
 /// The least corner of a face.
 pub(super) fn least_corner(face: &[u32], positions: &[Point], outwards: Point) -> f64 {
-    let at = |place: usize| positions[face[place % face.len()] as usize];
-    let corners = (0..face.len()).map(|place| corner(at(place), at(place + 1), at(place + 2), outwards));
-    corners.fold(1.0, f64::min)
+    corners(face, positions, outwards).fold(1.0, f64::min)
+}
+
+/// How much the corners of a face are below `fair`: the sum of squares.
+pub(super) fn shortfall(face: &[u32], positions: &[Point], outwards: Point, fair: f64) -> f64 {
+    corners(face, positions, outwards).map(|corner| (fair - corner).max(0.0).powi(2)).sum()
 }
 
 /// Twice the area of a face, as a vector.
