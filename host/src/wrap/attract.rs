@@ -4,7 +4,7 @@
 //! and its gradient agrees with the normal, found by bisection with attempts of Newton and Raphson of five steps each. A
 //! distance has no zero nearer than itself, so that the search for a bracket walks by it.
 
-use super::probe::Probe;
+use crate::field::ScalarField;
 use crate::mesh::Point;
 
 /// Steps of one attempt.
@@ -21,7 +21,7 @@ pub(super) const ZERO: f64 = 1e-5;
 /// A field along a line.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
-    pub(super) probe: &'a Probe<'a>,
+    pub(super) field: &'a ScalarField,
     pub(super) from: Point,
     /// A unit vector, roughly along the gradient.
     pub(super) direction: Point,
@@ -31,13 +31,13 @@ pub(super) struct Line<'a> {
 
 impl Line<'_> {
     fn value(&self, at: f64) -> f64 {
-        self.probe.value(self.from + at * self.direction)
+        self.field.sample_clamped(self.from + at * self.direction)
     }
 
     /// Value and slope along the line.
     fn look(&self, at: f64) -> [f64; 2] {
-        let look = self.probe.look(self.from + at * self.direction);
-        [look.value, look.gradient.dot(self.direction)]
+        let (value, gradient) = self.field.sample_clamped_with_gradient(self.from + at * self.direction);
+        [value, gradient.dot(self.direction)]
     }
 
     /// Where the field is zero and rises along the direction, nearest to the start and at most `reach` from it.
@@ -105,15 +105,14 @@ impl Line<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{Grid, ScalarField};
+    use crate::field::Grid;
 
     fn along_x(function: impl Fn(f64) -> f64) -> ScalarField {
         ScalarField::from_function(Grid::unit([33, 2, 2]), |point| function(point.x))
     }
 
     fn zero_from(field: &ScalarField, from: f64, direction: Point, reach: f64) -> Option<f64> {
-        let line =
-            Line { probe: &Probe::new(field), from: Point::new(from, 0.5, 0.5), direction, cell: 1.0 };
+        let line = Line { field, from: Point::new(from, 0.5, 0.5), direction, cell: 1.0 };
         line.nearest_zero(reach).map(|at| (line.from + at * direction).x)
     }
 

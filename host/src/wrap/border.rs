@@ -52,7 +52,8 @@ impl Border {
     pub(super) fn sides(&self, point: Point) -> Sides {
         let [low, high] = self.corners.map(|corner| (point - corner).abs().to_array());
         let bits = (0..3).map(|axis| {
-            u8::from(low[axis] <= self.near) << (2 * axis) | u8::from(high[axis] <= self.near) << (2 * axis + 1)
+            u8::from(low[axis] <= self.near) << (2 * axis)
+                | u8::from(high[axis] <= self.near) << (2 * axis + 1)
         });
         Sides(bits.sum())
     }
@@ -95,7 +96,8 @@ mod tests {
 
     #[test]
     fn an_edge_over_a_corner_is_held_to_both_sides() {
-        let [left, front] = [Point::new(0.0, 0.5, 0.2), Point::new(0.5, 0.0, 0.2)].map(|point| UNIT.sides(point));
+        let [left, front] =
+            [Point::new(0.0, 0.5, 0.2), Point::new(0.5, 0.0, 0.2)].map(|point| UNIT.sides(point));
         let between = left.between(front);
         assert_eq!(UNIT.hold(between, Point::new(0.25, 0.25, 0.2)), Point::new(0.0, 0.0, 0.2));
         assert_eq!(left.between(between), left);

@@ -54,9 +54,8 @@ fn touching(level: &Level, marked: &[bool]) -> Vec<u32> {
 
 /// Splits faces into parts that share no marked vertex.
 fn parts(level: &Level, marked: &[bool], faces: &[u32]) -> Vec<Vec<u32>> {
-    let marked_corners = |face: u32| {
-        level.faces.get(face as usize).iter().copied().filter(|&corner| marked[corner as usize])
-    };
+    let marked_corners =
+        |face: u32| level.faces.get(face as usize).iter().copied().filter(|&corner| marked[corner as usize]);
     let mut faces_of = HashMap::<u32, Vec<u32>>::new();
     for &face in faces {
         marked_corners(face).for_each(|corner| faces_of.entry(corner).or_default().push(face));
@@ -84,8 +83,8 @@ fn parts(level: &Level, marked: &[bool], faces: &[u32]) -> Vec<Vec<u32>> {
 /// Cuts faces out.
 fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
     let corners = || faces.iter().flat_map(|&face| level.faces.get(face as usize)).copied();
-    let [mut vertices, mut rim] =
-        [true, false].map(|wanted| corners().filter(|&corner| marked[corner as usize] == wanted).collect::<Vec<_>>());
+    let [mut vertices, mut rim] = [true, false]
+        .map(|wanted| corners().filter(|&corner| marked[corner as usize] == wanted).collect::<Vec<_>>());
     for list in [&mut vertices, &mut rim] {
         list.sort_unstable();
         list.dedup();

@@ -4,7 +4,9 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WrapError {
     /// The base mesh has no face.
-    #[error("the base mesh has no face, so that there is nothing to wrap: look for an isovalue that the field takes")]
+    #[error(
+        "the base mesh has no face, so that there is nothing to wrap: look for an isovalue that the field takes"
+    )]
     Empty,
     /// A vertex of the base mesh is NaN or infinite.
     #[error("vertex {vertex} of the base mesh is not finite")]
@@ -45,7 +47,9 @@ pub enum WrapError {
         distance: f64,
     },
     /// A field is a single node wide.
-    #[error("the field has {nodes} node along axis {axis} (x is 0); two are needed to have a value in between")]
+    #[error(
+        "the field has {nodes} node along axis {axis} (x is 0); two are needed to have a value in between"
+    )]
     FieldTooThin {
         /// The axis.
         axis: usize,
@@ -61,6 +65,11 @@ pub enum WrapError {
     /// All distances have one sign.
     #[error("the distance field has no zero, so that there is no surface to wrap: it lies all on one side")]
     NoZero,
+    /// The field of the isosurface has another grid than the distance field.
+    #[error(
+        "the field of the isosurface and the distance field have different grids: make the one from the other"
+    )]
+    OtherGrid,
     /// The finest mesh would be too large.
     #[error("{levels} levels give {vertices} vertices, more than the limit of {limit}: take fewer levels")]
     TooManyVertices {

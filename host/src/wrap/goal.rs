@@ -2,7 +2,6 @@
 
 use super::attract::ZERO;
 use super::level::Space;
-use super::probe::Probe;
 use crate::field::ScalarField;
 use crate::measure::Bvh;
 use crate::mesh::Point;
@@ -29,7 +28,7 @@ pub enum Target<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum Goal<'a> {
     /// Where a field has a value.
-    Field(Probe<'a>, f64),
+    Field(&'a ScalarField, f64),
     /// Where triangles are.
     Triangles(&'a Bvh),
 }
@@ -38,8 +37,8 @@ impl<'a> Goal<'a> {
     /// What a target asks for.
     pub(super) fn new(target: Target<'a>, space: &Space<'a>) -> Self {
         match target {
-            Target::Distance => Self::Field(space.probe, 0.0),
-            Target::Isosurface(field, value) => Self::Field(Probe::new(field), value),
+            Target::Distance => Self::Field(space.distance, 0.0),
+            Target::Isosurface(field, value) => Self::Field(field, value),
             Target::Triangles(triangles) => Self::Triangles(triangles),
         }
     }
@@ -47,7 +46,7 @@ impl<'a> Goal<'a> {
     /// A point of the surface near a point, or a point nearer to it, at most `reach` away.
     pub(super) fn approach(&self, point: Point, reach: f64, cell: f64) -> Point {
         match self {
-            Self::Field(probe, value) => descend(probe, *value, point, reach, cell),
+            Self::Field(field, value) => descend(field, *value, point, reach, cell),
             Self::Triangles(triangles) => {
                 triangles.closest_within(point, reach * reach).map_or(point, |closest| closest.point)
             }
@@ -56,17 +55,17 @@ impl<'a> Goal<'a> {
 }
 
 /// Newton's method along the gradient, in short steps.
-fn descend(probe: &Probe, value: f64, from: Point, reach: f64, cell: f64) -> Point {
+fn descend(field: &ScalarField, value: f64, from: Point, reach: f64, cell: f64) -> Point {
     let mut place = from;
     for _ in 0..STEPS {
-        let look = probe.look(place);
-        let (excess, steepness) = (look.value - value, look.gradient.length());
+        let (found, gradient) = field.sample_clamped_with_gradient(place);
+        let (excess, steepness) = (found - value, gradient.length());
         // In units of the field, what a step of the precision wanted changes.
         if excess.abs() <= ZERO * cell * steepness || steepness == 0.0 {
             break;
         }
         let step = (excess.abs() / steepness).min(LONGEST_STEP * cell) * excess.signum();
-        let next = place - step * look.gradient / steepness;
+        let next = place - step * gradient / steepness;
         if next.distance_squared(from) > reach * reach {
             break;
         }
@@ -83,7 +82,7 @@ mod tests {
     #[test]
     fn points_go_down_to_the_value() {
         let field = ScalarField::from_function(Grid::unit([9, 9, 9]), |point| 3.0 * point.x + 4.0 * point.y);
-        let goal = Goal::Field(Probe::new(&field), 25.0);
+        let goal = Goal::Field(&field, 25.0);
         let found = goal.approach(Point::new(3.0, 4.5, 2.0), 1.0, 1.0);
         assert!((3.0 * found.x + 4.0 * found.y - 25.0).abs() < 1e-4 && found.z == 2.0, "{found}");
         let far = Point::new(1.0, 1.0, 2.0);

@@ -49,7 +49,7 @@ fn area(face: &[u32], positions: &[Point]) -> Point {
 /// The faces with a corner below `least`, in order, and counts of those below zero.
 pub(super) fn inverted(level: &Level, space: &Space, least: f64) -> (Vec<u32>, Inverted) {
     let positions = &level.positions;
-    let gradients: Vec<Point> = positions.par_iter().map(|&place| space.probe.look(place).gradient).collect();
+    let gradients: Vec<Point> = positions.par_iter().map(|&place| space.outwards(place)).collect();
     let judge = |face: usize| {
         let corners = level.faces.get(face);
         let outwards = corners.iter().map(|&corner| gradients[corner as usize]).sum();

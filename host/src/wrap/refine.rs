@@ -75,7 +75,8 @@ mod tests {
     }
 
     fn cube() -> (Faces, Vec<Point>) {
-        let corner = |index: u32| Point::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) * 2.0 - 1.0));
+        let corner =
+            |index: u32| Point::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) * 2.0 - 1.0));
         (CUBE.iter().map(<[u32; 4]>::as_slice).collect(), (0..8).map(corner).collect())
     }
 

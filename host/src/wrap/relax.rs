@@ -14,7 +14,13 @@ use crate::mesh::Point;
 const RIDGE: f64 = 1e-3;
 
 /// Where a vertex moves to. On creases only the neighbours along the crease count; fixed vertices stay.
-pub(super) fn relaxed(rings: &Rings, vertex: usize, positions: &[Point], alpha: f64, keep_height: bool) -> Point {
+pub(super) fn relaxed(
+    rings: &Rings,
+    vertex: usize,
+    positions: &[Point],
+    alpha: f64,
+    keep_height: bool,
+) -> Point {
     let place = positions[vertex];
     match rings.kind(vertex) {
         Kind::Fixed => place,

@@ -66,7 +66,7 @@ struct Patient<'a> {
 
 impl<'a> Patient<'a> {
     fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
-        let outwards = cluster.positions.iter().map(|&place| space.probe.look(place).gradient).collect();
+        let outwards = cluster.positions.iter().map(|&place| space.outwards(place)).collect();
         let steps = (0..cluster.movable).map(|vertex| edge_length(&cluster, vertex)).collect();
         Self { cluster, space, goal, outwards, steps }
     }
@@ -100,7 +100,11 @@ impl<'a> Patient<'a> {
     /// What the corners of a vertex' faces lack.
     fn cost(&self, vertex: usize) -> f64 {
         let faces = self.cluster.faces_of[vertex].iter().map(|&face| self.cluster.faces.get(face as usize));
-        faces.map(|face| quality::shortfall(face, &self.cluster.positions, self.outwards_of(face), FAIR_CORNER)).sum()
+        faces
+            .map(|face| {
+                quality::shortfall(face, &self.cluster.positions, self.outwards_of(face), FAIR_CORNER)
+            })
+            .sum()
     }
 
     /// Moves a vertex to the best of some places around it; whether any is better than where it was, or a shorter step may
@@ -119,7 +123,7 @@ impl<'a> Patient<'a> {
             let reach = edge;
             let place = self.goal.approach(place, reach, self.space.cell);
             let place = self.space.border.hold(self.cluster.sides[vertex], place);
-            let outwards = self.space.probe.look(place).gradient;
+            let outwards = self.space.outwards(place);
             if outwards.dot(kept.1) <= 0.0 {
                 continue;
             }

@@ -70,13 +70,14 @@ impl Rings {
             sharp.entry(from).or_default().push(to);
             sharp.entry(to).or_default().push(from);
         }
-        let kind = |vertex: usize| match (sharp.get(&(vertex as u32)).map(Vec::as_slice), self.is_closed(vertex)) {
-            _ if features.vertices.binary_search(&(vertex as u32)).is_ok() => Kind::Fixed,
-            (None, true) => Kind::Smooth,
-            (None, false) => Kind::Crease(self.ends(vertex)),
-            (Some(&[before, after]), true) => Kind::Crease([before, after]),
-            (Some(_), _) => Kind::Fixed,
-        };
+        let kind =
+            |vertex: usize| match (sharp.get(&(vertex as u32)).map(Vec::as_slice), self.is_closed(vertex)) {
+                _ if features.vertices.binary_search(&(vertex as u32)).is_ok() => Kind::Fixed,
+                (None, true) => Kind::Smooth,
+                (None, false) => Kind::Crease(self.ends(vertex)),
+                (Some(&[before, after]), true) => Kind::Crease([before, after]),
+                (Some(_), _) => Kind::Fixed,
+            };
         (0..self.len()).map(kind).collect()
     }
 
@@ -122,7 +123,8 @@ impl Rings {
     /// triangles between them (Dataflow §3).
     pub(super) fn normal(&self, vertex: usize, positions: &[Point]) -> Point {
         let centre = positions[vertex];
-        let spokes = self.row(vertex).array_windows().map(|pair| pair.map(|end| positions[end as usize] - centre));
+        let spokes =
+            self.row(vertex).array_windows().map(|pair| pair.map(|end| positions[end as usize] - centre));
         spokes.map(|[from, to]| from.cross(to)).sum()
     }
 
@@ -247,8 +249,7 @@ mod tests {
         assert!(matches!(three_sides, WrapError::NotManifold { vertex: 0 }));
         let wound_two_ways = refused(4, &[&[0, 1, 2], &[0, 1, 3]]);
         assert!(matches!(wound_two_ways, WrapError::NotManifold { vertex: 0 }));
-        let two_rings: &[&[u32]] =
-            &[&[0, 1, 2], &[0, 2, 3], &[0, 3, 1], &[0, 4, 5], &[0, 5, 6], &[0, 6, 4]];
+        let two_rings: &[&[u32]] = &[&[0, 1, 2], &[0, 2, 3], &[0, 3, 1], &[0, 4, 5], &[0, 5, 6], &[0, 6, 4]];
         assert!(matches!(refused(7, two_rings), WrapError::NotManifold { vertex: 0 }));
         assert!(matches!(refused(4, &[&[0, 1, 2]]), WrapError::LooseVertex { vertex: 3 }));
     }

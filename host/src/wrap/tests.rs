@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::field::Grid;
-use crate::mesh::Faces;
+use crate::mesh::{Faces, Point};
 use crate::subdivision::Split;
 
 /// Cubes of `cube` cells each in the box of a field, those with their centre inside taken as one body, whose surface is the
@@ -10,14 +10,13 @@ use crate::subdivision::Split;
 pub(super) fn cubes(field: &ScalarField, cube: usize) -> PolygonMesh {
     let grid = field.grid();
     let counts = grid.extent.map(|nodes| (nodes - 1) / cube);
-    let probe = Probe::new(field);
     let spot = |cell: [usize; 3], half: f64| {
         let local = cell.map(|index| (index as f64 + half) * cube as f64);
         grid.origin + grid.spacing * Point::from_array(local)
     };
     let mut body = Body { counts, inside: Vec::new() };
     let cells: Vec<[usize; 3]> = body.cells(counts).collect();
-    body.inside = cells.iter().map(|&cell| probe.value(spot(cell, 0.5)) < 0.0).collect();
+    body.inside = cells.iter().map(|&cell| field.sample_clamped(spot(cell, 0.5)) < 0.0).collect();
     while body.fill_once() {}
     let corners = counts.map(|count| count + 1);
     let number = |[i, j, k]: [usize; 3]| (k * corners[1] + j) * corners[0] + i;
@@ -103,12 +102,19 @@ impl Body {
 
 /// Whether cubes are connected by their faces.
 fn hang_together(cells: &[[usize; 3]]) -> bool {
-    let beside = |a: &[usize; 3], b: &[usize; 3]| (0..3).map(|axis| a[axis].abs_diff(b[axis])).sum::<usize>() == 1;
+    let beside =
+        |a: &[usize; 3], b: &[usize; 3]| (0..3).map(|axis| a[axis].abs_diff(b[axis])).sum::<usize>() == 1;
     let mut met: Vec<[usize; 3]> = cells.first().copied().into_iter().collect();
     let mut next = 0;
     while next < met.len() {
         let here = met[next];
-        met.extend(cells.iter().filter(|cell| beside(cell, &here) && !met.contains(cell)).copied().collect::<Vec<_>>());
+        met.extend(
+            cells
+                .iter()
+                .filter(|cell| beside(cell, &here) && !met.contains(cell))
+                .copied()
+                .collect::<Vec<_>>(),
+        );
         next += 1;
     }
     met.len() == cells.len()
