@@ -5,6 +5,7 @@ pub mod bound;
 pub mod codec;
 pub mod field;
 pub mod integers;
+pub mod isosurface;
 pub mod measure;
 pub mod mesh;
 pub mod subdivision;
