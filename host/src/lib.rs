@@ -8,6 +8,7 @@ pub mod integers;
 pub mod isosurface;
 pub mod measure;
 pub mod mesh;
+pub mod simplify;
 pub mod subdivision;
 pub mod tables;
 pub mod transform;

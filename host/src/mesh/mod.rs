@@ -3,7 +3,19 @@
 //! Positions are in the units of the field or file they come from. Faces are counter-clockwise seen from outside, which
 //! for an isosurface is where values are below the isovalue.
 
+mod triangulation;
+
 pub use glam::DVec3 as Point;
+pub use triangulation::Triangulation;
+
+/// Points and polygons over them: what files, checks, measures and pictures need of a mesh.
+pub trait Surface: Sync {
+    /// One point a vertex.
+    fn points(&self) -> &[Point];
+
+    /// Corners of each face, counter-clockwise seen from outside.
+    fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone;
+}
 
 /// A surface of triangles with shared vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,6 +117,26 @@ impl PolygonMesh {
     /// The polygons.
     pub fn faces(&self) -> &Faces {
         &self.faces
+    }
+}
+
+impl Surface for TriangleMesh {
+    fn points(&self) -> &[Point] {
+        &self.positions
+    }
+
+    fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
+        self.triangles.iter().map(<[u32; 3]>::as_slice)
+    }
+}
+
+impl Surface for PolygonMesh {
+    fn points(&self) -> &[Point] {
+        &self.positions
+    }
+
+    fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
+        self.faces.iter()
     }
 }
 
