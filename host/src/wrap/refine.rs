@@ -2,6 +2,10 @@
 //!
 //! Source: E. Catmull, J. Clark, Recursively generated B-spline surfaces on arbitrary topological meshes, 1978; sharp edges
 //! and boundaries as cubic B-spline curves (Vis2000 §3.4).
+//!
+//! These rules pull old vertices off the surface that they were attracted to, and a small closed mesh to a fraction of its
+//! size. Here every vertex is pushed back by what the rules take from the old vertices around it, as Maillot and Stam do (A
+//! unified subdivision scheme for polygonal modeling, 2001), so that old vertices stay and new ones are near the surface.
 
 use rayon::prelude::*;
 
@@ -20,18 +24,29 @@ pub(super) fn refine(
     let at = |vertex: u32| positions[vertex as usize];
     let centres: Vec<Point> = faces.iter().map(|face| mean(face.iter().map(|&corner| at(corner)))).collect();
     let sums = sums_of_faces(faces, &centres, positions.len());
-    let old = (0..positions.len()).into_par_iter().map(|vertex| match rings.kind(vertex) {
-        Kind::Fixed => positions[vertex],
-        Kind::Crease([before, after]) => (at(before) + at(after) + 6.0 * positions[vertex]) / 8.0,
-        Kind::Smooth => smooth_vertex(rings, vertex, positions, sums[vertex]),
-    });
-    let in_edges = split.edges.par_iter().zip(&split.edge_faces).map(|(&[from, to], sides)| match *sides {
-        [Some(left), Some(right)] if !is_sharp(features, from, to) => {
-            (at(from) + at(to) + centres[left as usize] + centres[right as usize]) / 4.0
+    // What the rules take from each old vertex, and is given back.
+    let lost: Vec<Point> = (0..positions.len())
+        .into_par_iter()
+        .map(|vertex| match rings.kind(vertex) {
+            Kind::Fixed => Point::ZERO,
+            Kind::Crease([before, after]) => (2.0 * positions[vertex] - at(before) - at(after)) / 8.0,
+            Kind::Smooth => positions[vertex] - smooth_vertex(rings, vertex, positions, sums[vertex]),
+        })
+        .collect();
+    let in_edges = split.edges.par_iter().zip(&split.edge_faces).map(|(&[from, to], sides)| {
+        let back = lost[from as usize].midpoint(lost[to as usize]);
+        let [from_place, to_place] = [at(from), at(to)];
+        back + match *sides {
+            [Some(left), Some(right)] if !is_sharp(features, from, to) => {
+                (from_place + to_place + centres[left as usize] + centres[right as usize]) / 4.0
+            }
+            _ => from_place.midpoint(to_place),
         }
-        _ => at(from).midpoint(at(to)),
     });
-    old.chain(in_edges).chain(centres.par_iter().copied()).collect()
+    let in_faces = (0..faces.len()).into_par_iter().map(|face| {
+        centres[face] + mean(faces.get(face).iter().map(|&corner| lost[corner as usize]))
+    });
+    positions.par_iter().copied().chain(in_edges).chain(in_faces).collect()
 }
 
 fn mean(points: impl ExactSizeIterator<Item = Point>) -> Point {
@@ -85,10 +100,11 @@ mod tests {
         let (faces, positions) = cube();
         let finer = refined(&faces, &Features::default(), &positions);
         assert_eq!(finer.len(), 26);
-        // Corner: (Q + 2 R) / 3 with Q = 1/3 and R = 2/3 of the corner.
-        assert!((finer[7] - Point::splat(5.0 / 9.0)).length() < 1e-12);
-        assert!(finer[8..20].iter().all(|edge| (edge.length() - 0.75 * 2_f64.sqrt()).abs() < 1e-12));
-        assert!(finer[20..].iter().all(|face| face.length() == 1.0));
+        assert_eq!(finer[..8], positions);
+        // The rules leave a corner 5/9 of its coordinates, so that 4/9 are given back.
+        let radius = (0.75 + 4.0 / 9.0) * 2_f64.sqrt();
+        assert!(finer[8..20].iter().all(|edge| (edge.length() - radius).abs() < 1e-12));
+        assert!(finer[20..].iter().all(|face| (face.length() - 13.0 / 9.0).abs() < 1e-12));
     }
 
     #[test]
@@ -96,9 +112,11 @@ mod tests {
         let (faces, positions) = cube();
         let features = Features { edges: vec![[0, 1], [0, 2], [1, 3], [2, 3]], vertices: vec![3] };
         let finer = refined(&faces, &features, &positions);
-        assert_eq!(finer[3], positions[3]);
-        assert_eq!(finer[0], Point::new(-0.75, -0.75, -1.0));
+        // Between vertex 0, which a curve would take a quarter from along both edges, and vertex 1, from which as much.
+        let edge = Split::new(8, &faces).edges.iter().position(|&ends| ends == [1, 0] || ends == [0, 1]).unwrap();
+        assert_eq!(finer[8 + edge], Point::new(0.0, -1.25, -1.0));
         let open: Faces = CUBE[..5].iter().map(<[u32; 4]>::as_slice).collect();
-        assert_eq!(refined(&open, &Features::default(), &positions)[7], Point::new(1.0, 0.75, 0.75));
+        let edge = Split::new(8, &open).edges.iter().position(|&ends| ends == [3, 7] || ends == [7, 3]).unwrap();
+        assert_eq!(refined(&open, &Features::default(), &positions)[8 + edge], Point::new(1.0, 1.25, 0.0));
     }
 }
