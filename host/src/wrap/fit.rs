@@ -57,8 +57,8 @@ impl<'a> Fit<'a> {
         for _ in 0..self.options.rounds {
             level.relax(&self.space.border, self.options);
             missed = level.attract(&self.space, self.options);
+            missed = level.lead(&self.space, &goal, &missed, self.options.reach);
         }
-        level.lead(&self.space, &goal, &missed, self.options.reach);
         let [inverted_before, inverted] = repair(level, &self.space, &goal);
         let centre = |face: usize| {
             let corners = level.faces.get(face);

@@ -14,6 +14,11 @@ use crate::subdivision::Split;
 
 /// Least part of a vertex' normal within the side of the box that it is held to, for a line to go along it.
 const LEAST_FREE: f64 = 0.1;
+/// How far along a line the surface may be, in distances from it: the reciprocal of the least cosine between the line and
+/// the surface's normal, were it a plane.
+const MOST_SLANTED: f64 = 3.0;
+/// Nearer than this to the surface is on it, in cells.
+const NEAR: f64 = 0.01;
 /// What is on the border, in cells: nearer than positions in `f32` tell apart.
 const ON_BORDER: f64 = 1e-4;
 
@@ -166,23 +171,26 @@ impl Level {
         if direction.length() < LEAST_FREE {
             return None;
         }
-        let line = attract::Line {
-            field: space.distance,
-            from: place,
-            direction: direction.normalize(),
-            cell: space.cell,
-        };
+        let direction = direction.normalize();
+        let (distance, gradient) = space.distance.sample_clamped_with_gradient(place);
+        // Where the nearest surface faces as the mesh does, a line that meets it much farther off is a bad one.
+        let agrees = gradient.dot(direction) > 0.0;
+        let reach = if agrees { reach.min(MOST_SLANTED * distance.abs() + NEAR * space.cell) } else { reach };
+        let line = attract::Line { field: space.distance, from: place, direction, cell: space.cell };
         let at = line.nearest_zero(reach)?;
         Some(space.border.hold(sides, place + at * line.direction))
     }
 
-    /// Leads vertices that attraction missed towards the surface on the shortest way, where that faces as they do.
-    pub(super) fn lead(&mut self, space: &Space, goal: &Goal, missed: &[u32], reach: f64) {
+    /// Leads vertices that attraction missed towards the surface on the shortest way, where that faces as they do. Returns
+    /// which ones do not get there.
+    pub(super) fn lead(&mut self, space: &Space, goal: &Goal, missed: &[u32], reach: f64) -> Vec<u32> {
         let led = |&vertex: &u32| self.approached(vertex as usize, space, goal, reach);
         let places: Vec<Point> = missed.par_iter().map(led).collect();
         for (&vertex, place) in missed.iter().zip(places) {
             self.positions[vertex as usize] = place;
         }
+        let is_off = |&vertex: &u32| space.distance_in_cells(self.positions[vertex as usize]) > NEAR;
+        missed.iter().copied().filter(is_off).collect()
     }
 
     /// Moves all vertices at once to a goal.

@@ -43,9 +43,9 @@ pub(super) fn refine(
             _ => from_place.midpoint(to_place),
         }
     });
-    let in_faces = (0..faces.len()).into_par_iter().map(|face| {
-        centres[face] + mean(faces.get(face).iter().map(|&corner| lost[corner as usize]))
-    });
+    let in_faces = (0..faces.len())
+        .into_par_iter()
+        .map(|face| centres[face] + mean(faces.get(face).iter().map(|&corner| lost[corner as usize])));
     positions.par_iter().copied().chain(in_edges).chain(in_faces).collect()
 }
 
@@ -113,10 +113,12 @@ mod tests {
         let features = Features { edges: vec![[0, 1], [0, 2], [1, 3], [2, 3]], vertices: vec![3] };
         let finer = refined(&faces, &features, &positions);
         // Between vertex 0, which a curve would take a quarter from along both edges, and vertex 1, from which as much.
-        let edge = Split::new(8, &faces).edges.iter().position(|&ends| ends == [1, 0] || ends == [0, 1]).unwrap();
+        let edge =
+            Split::new(8, &faces).edges.iter().position(|&ends| ends == [1, 0] || ends == [0, 1]).unwrap();
         assert_eq!(finer[8 + edge], Point::new(0.0, -1.25, -1.0));
         let open: Faces = CUBE[..5].iter().map(<[u32; 4]>::as_slice).collect();
-        let edge = Split::new(8, &open).edges.iter().position(|&ends| ends == [3, 7] || ends == [7, 3]).unwrap();
+        let edge =
+            Split::new(8, &open).edges.iter().position(|&ends| ends == [3, 7] || ends == [7, 3]).unwrap();
         assert_eq!(refined(&open, &Features::default(), &positions)[8 + edge], Point::new(1.0, 1.25, 0.0));
     }
 }

@@ -20,8 +20,13 @@ const FAIR_CORNER: f64 = 0.5;
 const ATTEMPTS: [(usize, usize); 3] = [(0, 10), (1, 20), (3, 40)];
 /// Directions that a vertex tries.
 const DIRECTIONS: usize = 8;
-/// Shortest step tried, in lengths of edges.
-const SHORTEST_STEP: f64 = 0.01;
+/// How far a vertex may go from where it was, in lengths of its edges. Without a leash, vertices go on and on, since the
+/// shapes of corners do not tell sizes.
+const LEASH: f64 = 0.5;
+/// Shortest step tried, in lengths of leashes.
+const SHORTEST_STEP: f64 = 0.02;
+/// How far from the surface a vertex may go, in cells, if it is not farther already.
+const NEAR: f64 = 0.1;
 
 /// Turns faces back where possible; counts of inverted faces before and after.
 ///
@@ -60,15 +65,19 @@ struct Patient<'a> {
     goal: &'a Goal<'a>,
     /// Gradient of the distance at each vertex: which way is out.
     outwards: Vec<Point>,
-    /// Next step of each vertex that may move, as a length; 0 once it is too short.
+    /// Where each vertex that may move was, and how far it may go.
+    leashes: Vec<(Point, f64)>,
+    /// Next step of each vertex that may move, as a length.
     steps: Vec<f64>,
 }
 
 impl<'a> Patient<'a> {
     fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
+        let leash = |vertex| (cluster.positions[vertex], LEASH * edge_length(&cluster, vertex));
+        let leashes: Vec<_> = (0..cluster.movable).map(leash).collect();
         let outwards = cluster.positions.iter().map(|&place| space.outwards(place)).collect();
-        let steps = (0..cluster.movable).map(|vertex| edge_length(&cluster, vertex)).collect();
-        Self { cluster, space, goal, outwards, steps }
+        let steps = leashes.iter().map(|&(_, length)| length).collect();
+        Self { cluster, space, goal, outwards, leashes, steps }
     }
 
     /// Sweeps over the vertices until all corners are sound or nothing moves.
@@ -111,20 +120,21 @@ impl<'a> Patient<'a> {
     /// find one.
     fn improve(&mut self, vertex: usize) -> bool {
         let ends = &self.cluster.neighbours[vertex];
-        let edge = edge_length(&self.cluster, vertex);
-        let step = self.steps[vertex].min(edge);
+        let (home, leash) = self.leashes[vertex];
+        let step = self.steps[vertex].min(leash);
         let cost = self.cost(vertex);
-        if ends.is_empty() || cost == 0.0 || step < SHORTEST_STEP * edge {
+        if ends.is_empty() || cost == 0.0 || step < SHORTEST_STEP * leash {
             return false;
         }
         let kept = (self.cluster.positions[vertex], self.outwards[vertex]);
+        let near = self.space.distance_in_cells(kept.0).max(NEAR);
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
-            let reach = edge;
-            let place = self.goal.approach(place, reach, self.space.cell);
+            let place = self.goal.approach(place, leash, self.space.cell);
             let place = self.space.border.hold(self.cluster.sides[vertex], place);
             let outwards = self.space.outwards(place);
-            if outwards.dot(kept.1) <= 0.0 {
+            let strays = home.distance(place) > leash || self.space.distance_in_cells(place) > near;
+            if strays || outwards.dot(kept.1) <= 0.0 {
                 continue;
             }
             (self.cluster.positions[vertex], self.outwards[vertex]) = (place, outwards);

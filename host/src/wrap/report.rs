@@ -32,7 +32,7 @@ pub struct LevelReport {
     pub at_vertices: Misfit,
     /// Distances of the centres of the faces, by the distance field.
     pub at_faces: Misfit,
-    /// Vertices that found no surface along their normals within reach in the last round.
+    /// Vertices that found no surface within reach in the last round, neither along their normals nor on the shortest way.
     pub unsnapped: usize,
     /// Inverted faces after attraction.
     pub inverted_before: Inverted,
