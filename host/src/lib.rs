@@ -15,3 +15,4 @@ pub mod subdivision;
 pub mod tables;
 pub mod transform;
 pub mod volume;
+pub mod wrap;

@@ -30,6 +30,13 @@ impl ScalarField {
         interpolate(self.corners(place.node), place.fraction)
     }
 
+    /// Value and exact gradient at the point of the box of the nodes that is nearest.
+    pub fn sample_clamped_with_gradient(&self, point: Point) -> (f64, Point) {
+        let place = self.nearest_place(self.grid().local(point));
+        let (value, slope) = interpolate_with_slope(self.corners(place.node), place.fraction);
+        (value, slope / self.grid().spacing)
+    }
+
     /// Exact gradient of the trilinear interpolant, in values per unit of length, `None` outside the box of the nodes.
     ///
     /// On a face between two cells it is that of the cell with the greater coordinates. It is zero along an axis of one
@@ -40,9 +47,7 @@ impl ScalarField {
 
     /// [`ScalarField::sample`] and [`ScalarField::gradient`] for the price of one.
     pub fn sample_with_gradient(&self, point: Point) -> Option<(f64, Point)> {
-        let place = self.place(point)?;
-        let (value, slope) = interpolate_with_slope(self.corners(place.node), place.fraction);
-        Some((value, slope / self.grid().spacing))
+        self.place(point).map(|_| self.sample_clamped_with_gradient(point))
     }
 
     /// Trilinear interpolation of [`ScalarField::node_gradient`], continuous everywhere; `None` outside the box of the
