@@ -12,6 +12,8 @@ pub mod mesh;
 pub mod picture;
 pub mod simplify;
 pub mod subdivision;
+pub mod surface_codec;
+pub mod surface_wavelet;
 pub mod tables;
 pub mod transform;
 pub mod volume;

@@ -45,7 +45,7 @@ mod sample;
 pub mod stencil;
 pub mod transform;
 
-pub use coder::{Dense, Lattice, Training};
+pub use coder::{Dense, Lattice, Training, bits};
 pub use codestream::{Codec, Effort, Header, Near, max_encoded_len};
 pub use error::{
     AdjacencyError, DecodeError, EncodeError, LengthError, LiftError, Malformed, PlanError, Slice,

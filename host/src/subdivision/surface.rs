@@ -21,8 +21,7 @@ pub struct SubdivisionSurface {
 /// The steps of subdivision from a base mesh up to some level.
 #[derive(Clone, Debug)]
 pub struct Splits {
-    vertices: usize,
-    faces: Faces,
+    next: Split,
     left: u32,
 }
 
@@ -99,7 +98,7 @@ impl SubdivisionSurface {
     }
 
     fn splits_to(&self, level: u32) -> Splits {
-        Splits { vertices: self.base_vertices(), faces: self.base.clone(), left: level }
+        Splits { next: Split::new(self.base_vertices(), &self.base), left: level }
     }
 }
 
@@ -108,9 +107,8 @@ impl Iterator for Splits {
 
     fn next(&mut self) -> Option<Split> {
         self.left = self.left.checked_sub(1)?;
-        let split = Split::new(self.vertices, &self.faces);
-        (self.vertices, self.faces) = (split.finer_vertices(), split.finer_faces());
-        Some(split)
+        let after = if self.left > 0 { self.next.finer() } else { Split::default() };
+        Some(std::mem::replace(&mut self.next, after))
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {

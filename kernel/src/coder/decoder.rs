@@ -21,11 +21,32 @@ pub(crate) struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     /// Starts on a codeword. `None` if no encoder ends one like this: with a zero byte, or at 1 - 2^-32 and above.
     pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
+        let decoder = Self::lenient(bytes);
+        (bytes.last() != Some(&0) && decoder.code < decoder.range).then_some(decoder)
+    }
+
+    /// Starts on any bytes.
+    pub(super) fn lenient(bytes: &'a [u8]) -> Self {
         let mut decoder = Self { bytes, taken: 0, code: 0, range: u32::MAX };
         for _ in 0..WINDOW {
             decoder.take();
         }
-        (bytes.last() != Some(&0) && decoder.code < decoder.range).then_some(decoder)
+        decoder
+    }
+
+    /// Whether the next decision is the same whatever follows the bytes.
+    #[inline]
+    pub(super) const fn is_sure(&self, chance: u32) -> bool {
+        let share = share_of_true(self.range, chance);
+        let unknown = match self.taken.saturating_sub(self.bytes.len()) {
+            0 => 0,
+            1 => 0xFF,
+            2 => 0xFFFF,
+            3 => 0xFF_FFFF,
+            _ => u32::MAX,
+        };
+        let most = self.code.saturating_add(unknown);
+        (self.code < share) == (most < share)
     }
 
     /// Whether an encoder that made these decisions would have written a codeword of this length: it writes as many

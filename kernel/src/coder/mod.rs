@@ -4,6 +4,7 @@
 //! encoder is given each symbol and returns it, the decoder ignores what it is given and returns what it reads. The
 //! two directions cannot drift apart.
 
+pub mod bits;
 mod choose;
 mod context;
 mod decoder;
