@@ -10,6 +10,7 @@ pub mod isosurface;
 pub mod measure;
 pub mod mesh;
 pub mod picture;
+pub mod pipeline;
 pub mod simplify;
 pub mod subdivision;
 pub mod surface_codec;
