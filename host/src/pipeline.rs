@@ -91,7 +91,9 @@ pub struct Built {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
     /// The isovalue is not taken, or the mesh has no triangle.
-    #[error("there is no surface: no cell has values on both sides of the isovalue, or the mesh has no triangle")]
+    #[error(
+        "there is no surface: no cell has values on both sides of the isovalue, or the mesh has no triangle"
+    )]
     Empty,
     /// The share of vertices is none.
     #[error("{share} of the vertices is no share: give more than 0 and at most 1")]
@@ -167,7 +169,8 @@ pub fn build(
         Source::Mesh(mut mesh) => {
             mesh.repair();
             if let Some(edge) = options.sharp {
-                constraints.features = Features::by_angle(&mesh, FeatureAngles { edge, ..FeatureAngles::default() });
+                constraints.features =
+                    Features::by_angle(&mesh, FeatureAngles { edge, ..FeatureAngles::default() });
             }
             (mesh, None)
         }
@@ -243,7 +246,8 @@ mod tests {
         let field = ScalarField::from_function(grid, torus);
         let options = BuildOptions { share: 0.05, levels: 2, cells: 40, ..BuildOptions::default() };
         let mut stages = Vec::new();
-        let first = build(Source::Isosurface(&field, 0.0), &options, &mut |stage, _| stages.push(stage)).unwrap();
+        let first =
+            build(Source::Isosurface(&field, 0.0), &options, &mut |stage, _| stages.push(stage)).unwrap();
         assert_eq!(stages, [Stage::Contour, Stage::Distance, Stage::Base, Stage::Wrap]);
         let second = build(Source::Mesh(first.contour.clone()), &options, &mut |_, _| ()).unwrap();
         for built in [first, second] {

@@ -139,7 +139,11 @@ mod tests {
 
     #[test]
     fn fields_come_back_from_volumes() {
-        let grid = Grid { extent: [3, 2, 2], origin: Point::new(0.1, -7.0, 1e-9), spacing: Point::new(0.3, 2.0, 1.0) };
+        let grid = Grid {
+            extent: [3, 2, 2],
+            origin: Point::new(0.1, -7.0, 1e-9),
+            spacing: Point::new(0.3, 2.0, 1.0),
+        };
         let field = ScalarField::from_function(grid, |point| point.x * point.y - point.z);
         assert_eq!(ScalarField::from_volume(&field.to_volume()), Ok(field));
     }
