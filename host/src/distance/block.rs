@@ -93,12 +93,6 @@ impl Layout {
         [index & ((1 << y) - 1), index >> y & ((1 << (z - y)) - 1), index >> z]
     }
 
-    /// The node of the grid at a place in the arrays of a block.
-    pub(super) fn node(&self, place: [usize; 3], index: usize) -> [usize; 3] {
-        let coordinates = self.coordinates(index);
-        std::array::from_fn(|axis| place[axis] * self.side[axis] + coordinates[axis] - 1)
-    }
-
     /// A block whose nodes are `squared` away from nothing.
     pub(super) fn block(&self, number: usize, squared: f32) -> Block {
         let place = self.place(number);

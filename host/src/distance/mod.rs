@@ -13,8 +13,7 @@
 //!    neighbouring triangles as long as that brings it closer, and takes its distance from there.
 //! 4. *Signs* come from the field. For a mesh they come from the nearest feature of the surface, by normals weighted by
 //!    angles (Baerentzen, Aanaes 2005), which is right for every closed oriented mesh, where the rules of Distance §4.3
-//!    leave vertices to a majority of neighbours; nodes far from the surface take the sign of the node that their point
-//!    comes from.
+//!    leave vertices to a majority of neighbours.
 //!
 //! A mesh with a boundary has no inside: near it the sign says on which side of the surface the nearest point is seen from,
 //! and changes across some surface that continues the mesh from its boundary, where distances are not small. Faces wound
@@ -34,12 +33,12 @@ use rayon::prelude::*;
 
 use crate::field::{Grid, ScalarField};
 use crate::isosurface::{ContourError, contour};
-use crate::mesh::TriangleMesh;
+use crate::mesh::{Point, TriangleMesh};
 use block::Layout;
 use propagate::Propagation;
 use refine::Refined;
 use seed::Seeding;
-use sign::Signs;
+use sign::{Normals, Signs};
 use slide::Neighbours;
 use surface::Surface;
 
@@ -156,7 +155,7 @@ pub fn of_mesh(mesh: &TriangleMesh, grid: &Grid, options: &Options) -> Result<Di
     let seeding = Seeding { surface: &surface, grid, layout: &layout, margin: TOUCH };
     let propagation = Propagation::run(&seeding, options.limit)?;
     let neighbours = Neighbours::new(&surface);
-    let signs = Signs::of_mesh(&seeding, &neighbours, &propagation);
+    let signs = Signs::Mesh(Normals::new(&surface, &neighbours));
     Ok(finish(&seeding, &propagation, &neighbours, &signs, options.limit))
 }
 
@@ -177,7 +176,7 @@ fn finish(
             *value = f32::NAN;
             if let Some(foot) = refined.foot(first + x) {
                 let distance = foot.squared.sqrt().min(limit) as f32;
-                let inside = signs.inside(first + x, &foot, words[first + x]);
+                let inside = signs.inside(first + x, &foot);
                 *value = if inside { -distance } else { distance };
             }
         }
@@ -191,4 +190,33 @@ fn finish(
         rounds: propagation.rounds,
     };
     Distance { field: ScalarField::new(*seeding.grid, values), report }
+}
+
+/// A grid around a mesh: `cells` cells along the longest side of its bounding box and as large along the others, and
+/// `margin` cells more on every side.
+///
+/// # Errors
+/// [`DistanceError::NoSurface`] if there is no triangle; [`DistanceError::NotFinite`]; [`DistanceError::Grid`] if the box
+/// has no extent, or there would be 2^32 nodes or more.
+pub fn grid_around(mesh: &TriangleMesh, cells: usize, margin: usize) -> Result<Grid, DistanceError> {
+    if mesh.triangles.is_empty() {
+        return Err(DistanceError::NoSurface);
+    }
+    if let Some(vertex) = mesh.positions.iter().position(|point| !point.is_finite()) {
+        return Err(DistanceError::NotFinite { vertex });
+    }
+    let least = mesh.positions.iter().copied().reduce(Point::min).unwrap_or_default();
+    let most = mesh.positions.iter().copied().reduce(Point::max).unwrap_or_default();
+    let step = (most - least).max_element() / cells.max(1) as f64;
+    if !(step.is_finite() && step > 0.0) {
+        return Err(DistanceError::Grid("no size, as all vertices lie in one point"));
+    }
+    // A cell more than needed where rounding would leave a vertex on the border.
+    let sides = ((most - least) / step - 1e-9).ceil().max(Point::ONE) + 2.0 * margin as f64;
+    if (sides + 1.0).element_product() >= f64::from(u32::MAX) {
+        return Err(DistanceError::Grid("2^32 nodes or more"));
+    }
+    let center = 0.5 * least + 0.5 * most;
+    let extent = sides.to_array().map(|side| side as usize + 1);
+    Ok(Grid { extent, origin: center - 0.5 * step * sides, spacing: Point::splat(step) })
 }

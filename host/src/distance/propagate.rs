@@ -126,16 +126,6 @@ impl Propagation {
         let blocks = self.blocks[first..first + layout.blocks[0]].iter();
         blocks.flat_map(move |block| block.sites[start..start + side].iter().copied()).take(layout.extent[0])
     }
-
-    /// Number of the site in a node's word.
-    pub(super) fn site(word: u32) -> usize {
-        (word & SITE) as usize
-    }
-
-    /// The triangle of a node's point, `None` if the node got none within the limit.
-    pub(super) fn triangle(&self, word: u32) -> Option<u32> {
-        self.sites.get(Self::site(word)).map(|site| site.triangle)
-    }
 }
 
 impl<'a> Worker<'a> {

@@ -10,7 +10,7 @@ use crate::mesh::Point;
 const APART: f64 = 0.75;
 
 /// How much nearer than the point itself, in edges of a cell, the surface around a neighbour's point may be.
-const SLACK: f64 = 0.12;
+const SLACK: f64 = 0.2;
 
 /// What nearest points are found from.
 #[derive(Clone, Copy, Debug)]
@@ -33,11 +33,11 @@ impl Refined<'_> {
         let from = self.seeding.position(grid.node(node));
         let own = self.site(node)?;
         let mut foot = self.neighbours.slide(self.seeding.surface, from, own.triangle);
-        let edge = grid.spacing.min_element();
-        let apart = (APART * edge).powi(2);
+        let apart = (APART * grid.spacing.min_element()).powi(2);
+        let slack = SLACK * grid.spacing.max_element();
         for other in grid.neighbours(node).filter_map(|next| self.site(next)) {
             let point = Point::from_array(other.point.map(f64::from));
-            let reach = foot.squared.sqrt() + SLACK * edge;
+            let reach = foot.squared.sqrt() + slack;
             if from.distance_squared(point) < reach * reach && foot.point.distance_squared(point) > apart {
                 let chance = self.neighbours.slide(self.seeding.surface, from, other.triangle);
                 if chance.squared < foot.squared {

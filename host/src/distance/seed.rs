@@ -106,14 +106,14 @@ impl Seeding<'_> {
             });
         }
         let mut sites = Vec::new();
-        for at in 0..nearest.len() {
+        for (at, &squared) in nearest.iter().enumerate() {
             if block.sites[at] != NONE {
                 let triangle = std::mem::replace(&mut block.sites[at], SEED | sites.len() as u32);
                 let node = self.layout.coordinates(at);
                 let node = std::array::from_fn(|axis| from[axis] + node[axis] - 1);
                 let foot = self.surface.foot(triangle, self.position(node));
                 sites.push(Site { triangle, point: foot.point.as_vec3().to_array() });
-                block.squared[at] = nearest[at].min(block.squared[at]);
+                block.squared[at] = squared.min(block.squared[at]);
             }
         }
         sites

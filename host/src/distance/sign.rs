@@ -1,10 +1,5 @@
 //! On which side of a surface a node lies.
 
-use rayon::prelude::*;
-
-use super::block::SEED;
-use super::propagate::Propagation;
-use super::seed::Seeding;
 use super::slide::Neighbours;
 use super::surface::{Feature, Foot, Surface};
 use crate::field::Grid;
@@ -19,42 +14,16 @@ pub(super) enum Signs<'a> {
         values: &'a [f32],
         isovalue: f32,
     },
-    /// The nearest feature decides at seeds; other nodes are where the seed of their point is.
-    Mesh {
-        normals: Normals<'a>,
-        /// Whether the node of each site is inside.
-        inside: Vec<bool>,
-    },
+    /// The nearest feature decides.
+    Mesh(Normals<'a>),
 }
 
-impl<'a> Signs<'a> {
-    /// Finds out for the seeds of a mesh.
-    pub(super) fn of_mesh(
-        seeding: &Seeding<'a>,
-        neighbours: &'a Neighbours,
-        propagation: &Propagation,
-    ) -> Self {
-        let normals = Normals::new(seeding.surface, neighbours);
-        let blocks = propagation.blocks.par_iter().map(|block| {
-            let seeds = block.sites.iter().enumerate().filter(|(_, site)| *site & SEED != 0);
-            let inside = seeds.filter_map(|(at, &word)| {
-                let node = propagation.layout.node(block.place, at);
-                let triangle = propagation.triangle(word)?;
-                let position = seeding.position(node);
-                Some(normals.inside(&neighbours.slide(seeding.surface, position, triangle)))
-            });
-            inside.collect::<Vec<bool>>()
-        });
-        let inside = blocks.collect::<Vec<_>>().concat();
-        Self::Mesh { normals, inside }
-    }
-
-    /// Whether a node is inside, given its number, its point on the surface, and the word of its site.
-    pub(super) fn inside(&self, node: usize, foot: &Foot, word: u32) -> bool {
+impl Signs<'_> {
+    /// Whether a node is inside, given its number and its point on the surface.
+    pub(super) fn inside(&self, node: usize, foot: &Foot) -> bool {
         match self {
             Self::Field { values, isovalue } => values[node] > *isovalue,
-            Self::Mesh { normals, .. } if word & SEED != 0 => normals.inside(foot),
-            Self::Mesh { inside, .. } => inside[Propagation::site(word)],
+            Self::Mesh(normals) => normals.inside(foot),
         }
     }
 
@@ -93,7 +62,7 @@ pub(super) struct Normals<'a> {
 }
 
 impl<'a> Normals<'a> {
-    fn new(surface: &'a Surface<'a>, neighbours: &'a Neighbours) -> Self {
+    pub(super) fn new(surface: &'a Surface<'a>, neighbours: &'a Neighbours) -> Self {
         let mut vertices = vec![Point::ZERO; surface.positions.len()];
         for (triangle, corners) in surface.triangles.iter().enumerate() {
             let points = surface.corners(triangle as u32);

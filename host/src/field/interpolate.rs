@@ -91,7 +91,10 @@ impl ScalarField {
         let node = std::array::from_fn(|axis| {
             (axes[axis].max(0.0) as usize).min(self.grid().extent[axis].saturating_sub(2))
         });
-        let fraction = std::array::from_fn(|axis| (axes[axis] - node[axis] as f64).max(0.0).min(1.0));
+        let fraction = std::array::from_fn(|axis| {
+            let beyond = axes[axis] - node[axis] as f64;
+            if beyond > 0.0 { beyond.min(1.0) } else { 0.0 }
+        });
         Place { node, fraction }
     }
 

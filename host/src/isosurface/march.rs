@@ -187,8 +187,8 @@ impl<'a> Layers<'a> {
         let (low, high) = (f64::from(values[start]), f64::from(values[start + stride]));
         let fraction = (f64::from(self.isovalue) - low) / (high - low);
         let mut local = node.map(|index| index as f64);
-        // The greater of a number and NaN is the number.
-        local[axis] += fraction.max(MARGIN).min(1.0 - MARGIN);
+        // What is not a number is not greater.
+        local[axis] += if fraction > MARGIN { fraction.min(1.0 - MARGIN) } else { MARGIN };
         grid.origin + grid.spacing * Point::from_array(local)
     }
 

@@ -7,11 +7,10 @@ use crate::mesh::Point;
 /// The trilinear interpolant, sampled `fine` times as densely.
 fn resampled(field: &ScalarField, fine: usize) -> ScalarField {
     let extent = field.grid().extent.map(|nodes| (nodes - 1) * fine + 1);
-    let fine = ScalarField::from_function(
+    ScalarField::from_function(
         Grid { extent, origin: Point::ZERO, spacing: Point::splat(1.0 / fine as f64) },
         |point| field.sample(point).expect("a point of the grid"),
-    );
-    fine
+    )
 }
 
 #[test]
