@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use crate::distance::{self, DistanceError};
 use crate::field::{Grid, ScalarField};
 use crate::isosurface::{ContourError, contour};
-use crate::measure::{Bounds, Bvh};
-use crate::mesh::{FeatureAngles, Features, Point, PolygonMesh, TriangleMesh};
+use crate::measure::Bvh;
+use crate::mesh::{FeatureAngles, Features, PolygonMesh, TriangleMesh};
 use crate::simplify::{self, Constraints, SimplifyError, base_mesh};
 use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
 
@@ -17,7 +17,7 @@ use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
 const BAND: f64 = 24.0;
 
 /// Cells between a mesh and the border of its grid.
-const MARGIN: usize = 4;
+pub const MARGIN: usize = 4;
 
 /// What a surface is made from.
 #[derive(Clone, Debug)]
@@ -101,12 +101,6 @@ pub enum BuildError {
         /// What was asked for.
         share: f64,
     },
-    /// No grid can be laid around the mesh.
-    #[error("{cells} cells along the longest axis: give 8 to 2048, and a mesh of some size")]
-    Cells {
-        /// What was asked for.
-        cells: usize,
-    },
     /// No contour.
     #[error(transparent)]
     Contour(#[from] ContourError),
@@ -119,22 +113,6 @@ pub enum BuildError {
     /// No surface around the base mesh.
     #[error(transparent)]
     Wrap(#[from] WrapError),
-}
-
-/// A grid of cubes around a mesh, `cells` of them along its longest axis and some more as a margin.
-///
-/// # Errors
-/// [`BuildError::Cells`] if there are fewer than 8 or more than 2048, or the mesh is a point or not finite.
-pub fn grid_around(mesh: &TriangleMesh, cells: usize) -> Result<Grid, BuildError> {
-    let bounds = Bounds::around(mesh.positions.iter().copied());
-    let size = bounds.high - bounds.low;
-    let cell = size.max_element() / cells as f64;
-    if !(8..=2048).contains(&cells) || !(cell > 0.0 && cell.is_finite()) {
-        return Err(BuildError::Cells { cells });
-    }
-    let extent = size.to_array().map(|side| (side / cell).ceil() as usize + 1 + 2 * MARGIN);
-    let nodes = Point::from_array(extent.map(|nodes| (nodes - 1) as f64));
-    Ok(Grid { extent, origin: bounds.centre() - nodes * cell / 2.0, spacing: Point::splat(cell) })
 }
 
 /// How many vertices a base mesh is to have.
@@ -182,7 +160,7 @@ pub fn build(
     let distance = match field {
         Some((field, isovalue)) => distance::of_isosurface(field, isovalue, &band(field.grid()))?,
         None => {
-            let grid = grid_around(&contour, options.cells)?;
+            let grid = distance::grid_around(&contour, options.cells, MARGIN)?;
             distance::of_mesh(&contour, &grid, &band(&grid))?
         }
     };
@@ -233,7 +211,7 @@ impl Timed<'_> {
 mod tests {
     use super::*;
     use crate::measure::SurfaceDistance;
-    use crate::mesh::Report;
+    use crate::mesh::{Point, Report};
 
     fn torus(point: Point) -> f64 {
         let around = (point.x.hypot(point.y) - 10.0).hypot(point.z);
@@ -268,7 +246,5 @@ mod tests {
         assert_eq!(error(Source::Mesh(TriangleMesh::default()), BuildOptions::default()), BuildError::Empty);
         let none = BuildOptions { share: 0.0, ..BuildOptions::default() };
         assert_eq!(error(Source::Isosurface(&field, 1.5), none), BuildError::Share { share: 0.0 });
-        let point = TriangleMesh { positions: vec![Point::ONE; 3], triangles: vec![[0, 1, 2]] };
-        assert!(grid_around(&point, 64).is_err());
     }
 }

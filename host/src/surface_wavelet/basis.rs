@@ -45,6 +45,15 @@ impl Basis {
     /// All there are.
     pub const ALL: [Self; 3] = [Self::Bilinear, Self::Bicubic, Self::Biquintic];
 
+    /// A word for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bilinear => "bilinear",
+            Self::Bicubic => "bicubic",
+            Self::Biquintic => "biquintic",
+        }
+    }
+
     /// The lifts of reconstruction, in order; decomposition undoes them from last to first.
     pub const fn lifts(self) -> &'static [Lift] {
         match self {

@@ -77,7 +77,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         line("% of a cell", in_units(cell).map(|value| 100.0 * value));
     }
     if let Some(distortion) = Distortion::of(&second) {
-        lines.push(format!("{distortion}"));
+        lines.push(format!(
+            "{} quads, {} with a corner turned over; off right angles by {:.1} degrees, sides {:.2}:1, in the mean",
+            distortion.quads, distortion.inverted, distortion.angle.mean, distortion.aspect.mean,
+        ));
     }
     print(&(lines.join("\n") + "\n"))
 }

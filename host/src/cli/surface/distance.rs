@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use wavelift_host::distance::{self, Options};
-use wavelift_host::pipeline::grid_around;
+use wavelift_host::pipeline::MARGIN;
 use wavelift_host::volume::{self, Fault, WriteOptions};
 
 use super::file::{bad, is_mesh, read_field, read_mesh};
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let mut mesh = read_mesh(&args.input)?;
         start = Instant::now();
         mesh.repair();
-        let grid = grid_around(&mesh, args.cells).map_err(|error| of_file(&error))?;
+        let grid = distance::grid_around(&mesh, args.cells, MARGIN).map_err(|error| of_file(&error))?;
         distance::of_mesh(&mesh, &grid, &options).map_err(|error| of_file(&error))?
     } else {
         let Some(iso) = args.iso else {
