@@ -13,7 +13,8 @@ use crate::mesh::{Faces, Point, PolygonMesh};
 ///
 /// Faces have four to eight sides and vertices three to six edges; the mesh is an oriented manifold, whose boundary lies on
 /// the border of the grid. Leaves that touch only in an edge or a vertex are not joined: that edge or vertex is there
-/// twice, in the same place; where both ends of such an edge are joined elsewhere, two edges have the same ends.
+/// twice, in the same place; where both ends of such an edge are joined elsewhere, it has a
+/// vertex of two edges in its middle.
 ///
 /// What becomes of the topology of the surface: with [`super::Solid::Minimum`] components nearer than a leaf grow together, and
 /// tunnels and cavities narrower than a leaf close; with [`super::Solid::Mean`] parts thinner than about half a leaf vanish
@@ -145,11 +146,23 @@ fn without_idle_vertices(mesh: &PolygonMesh) -> PolygonMesh {
             around[vertex as usize].push(neighbours(face, place));
         }
     }
-    let idle = |around: &Vec<[u32; 2]>| matches!(around[..], [[a, b], [c, d]] if a == d && b == c);
+    let idle = |around: &[[u32; 2]]| match *around {
+        [[a, b], [c, d]] if a == d && b == c => Some([a.min(b), a.max(b)]),
+        _ => None,
+    };
+    // Ways between two vertices along an edge or two: one is left out only if it is the only one.
+    let mut ways: HashMap<[u32; 2], usize> = HashMap::new();
+    for (vertex, around) in (0..).zip(&around) {
+        idle(around).into_iter().for_each(|ends| *ways.entry(ends).or_default() += 1);
+        around
+            .iter()
+            .for_each(|&[_, next]| *ways.entry([next.min(vertex), next.max(vertex)]).or_default() += 1);
+    }
     let mut names = Vec::with_capacity(around.len());
     let mut positions = Vec::new();
     for (around, &position) in around.iter().zip(&mesh.positions) {
-        names.push((!idle(around)).then(|| {
+        let goes = idle(around).is_some_and(|ends| ways[&ends] == 1);
+        names.push((!goes).then(|| {
             positions.push(position);
             positions.len() as u32 - 1
         }));

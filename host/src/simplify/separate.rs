@@ -13,7 +13,8 @@ use crate::mesh::{Faces, Point, PolygonMesh};
 ///
 /// Cost: one pass with a hash table of edges.
 pub(super) fn separate(positions: &[Point], faces: &Faces, owners: &[usize]) -> PolygonMesh {
-    let mut fans = Fans((0..faces.corners().len() as u32).collect());
+    let count = faces.corners().len();
+    let mut fans = Fans { above: (0..count as u32).collect(), partners: vec![NONE; count] };
     // Sides without a partner: first corner, corner after it, and owner.
     let mut open: HashMap<[u32; 2], Vec<(usize, [u32; 2])>> = HashMap::new();
     let mut first = 0;
@@ -51,39 +52,59 @@ fn join_rest(fans: &mut Fans, mut open: HashMap<[u32; 2], Vec<(usize, [u32; 2])>
     }
 }
 
-/// Names a vertex for each fan, in the order in which faces meet them.
+/// Names a vertex for each fan, in the order in which faces meet them. Edges with the same ends as another get a vertex in
+/// their middle.
 fn rebuild(positions: &[Point], faces: &Faces, fans: &mut Fans) -> PolygonMesh {
     let mut names = vec![NONE; faces.corners().len()];
     let mut places = Vec::new();
-    let mut separated = Faces::default();
-    let mut corner = 0;
+    for (corner, &vertex) in faces.corners().iter().enumerate() {
+        let root = fans.find(corner as u32) as usize;
+        if names[root] == NONE {
+            names[root] = places.len() as u32;
+            places.push(positions[vertex as usize]);
+        }
+        names[corner] = names[root];
+    }
+    let mut sides = Vec::with_capacity(names.len());
     for face in faces.iter() {
-        let renamed: Vec<u32> = face
-            .iter()
-            .map(|&vertex| {
-                let name = &mut names[fans.find(corner) as usize];
-                corner += 1;
-                if *name == NONE {
-                    *name = places.len() as u32;
-                    places.push(positions[vertex as usize]);
-                }
-                *name
-            })
-            .collect();
-        separated.push(&renamed);
+        let face = &names[sides.len()..sides.len() + face.len()];
+        sides.extend((0..face.len()).map(|side| [face[side], face[(side + 1) % face.len()]]));
+    }
+    let mut uses: HashMap<[u32; 2], u32> = HashMap::with_capacity(sides.len());
+    sides.iter().for_each(|&side| *uses.entry(side).or_default() += 1);
+    let mut middles = HashMap::new();
+    let mut separated = Faces::default();
+    let mut first = 0;
+    for face in faces.iter() {
+        let mut corners = Vec::with_capacity(face.len());
+        for corner in first..first + face.len() {
+            let [from, to] = sides[corner];
+            corners.push(from);
+            if uses[&[from, to]] > 1 || uses.get(&[to, from]).is_some_and(|&uses| uses > 1) {
+                corners.push(*middles.entry(fans.partners[corner].min(corner as u32)).or_insert_with(|| {
+                    places.push(places[from as usize].midpoint(places[to as usize]));
+                    places.len() as u32 - 1
+                }));
+            }
+        }
+        first += face.len();
+        separated.push(&corners);
     }
     PolygonMesh::new(places, separated)
 }
 
-/// Corners that belong to the same vertex, as a forest.
-struct Fans(Vec<u32>);
+/// Corners that belong to the same vertex, as a forest, and the side that each side is sewn to, by their first corners.
+struct Fans {
+    above: Vec<u32>,
+    partners: Vec<u32>,
+}
 
 impl Fans {
     fn find(&mut self, corner: u32) -> u32 {
         let mut root = corner;
-        while self.0[root as usize] != root {
-            let above = self.0[root as usize];
-            self.0[root as usize] = self.0[above as usize];
+        while self.above[root as usize] != root {
+            let above = self.above[root as usize];
+            self.above[root as usize] = self.above[above as usize];
             root = above;
         }
         root
@@ -91,9 +112,11 @@ impl Fans {
 
     /// Sews a side to one that runs the other way.
     fn join(&mut self, side: [u32; 2], other: [u32; 2]) {
+        self.partners[side[0] as usize] = other[0];
+        self.partners[other[0] as usize] = side[0];
         for (one, two) in [(side[0], other[1]), (side[1], other[0])] {
             let [one, two] = [self.find(one), self.find(two)];
-            self.0[one.max(two) as usize] = one.min(two);
+            self.above[one.max(two) as usize] = one.min(two);
         }
     }
 }

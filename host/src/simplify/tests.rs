@@ -263,3 +263,18 @@ fn meshes_that_are_none_are_refused() {
     let target = Target { vertices: 0, error: NO_LIMIT };
     assert!(base_mesh(&empty, &Constraints::default(), target).unwrap().faces().is_empty());
 }
+
+#[test]
+fn octrees_of_waves_are_manifolds() {
+    for (solid, finest) in [(Solid::Minimum, 0), (Solid::Minimum, 1), (Solid::Mean, 1)] {
+        let field = wave(45, 0.35, 0.2);
+        let options = OctreeOptions { solid, finest, coarsest: 2, deviation: 0.05 };
+        let mesh = octree_mesh(&field, &options);
+        let report = Report::of(&mesh);
+        assert!(report.is_manifold() && report.inconsistent_edges == 0, "{report:?}");
+        assert!(mesh.faces().iter().all(|face| (4..=9).contains(&face.len())));
+        let idle = valences(&mesh).iter().filter(|&&(valence, boundary)| valence < 3 && !boundary).count();
+        assert!(idle * 100 < mesh.positions.len(), "{idle} vertices of two edges");
+        assert!(mesh.faces().len() > 30, "{}", mesh.faces().len());
+    }
+}
