@@ -77,8 +77,7 @@ fn rebuild(positions: &[Point], faces: &Faces, fans: &mut Fans) -> PolygonMesh {
     let mut first = 0;
     for face in faces.iter() {
         let mut corners = Vec::with_capacity(face.len());
-        for corner in first..first + face.len() {
-            let [from, to] = sides[corner];
+        for (corner, &[from, to]) in sides.iter().enumerate().skip(first).take(face.len()) {
             corners.push(from);
             if uses[&[from, to]] > 1 || uses.get(&[to, from]).is_some_and(|&uses| uses > 1) {
                 corners.push(*middles.entry(fans.partners[corner].min(corner as u32)).or_insert_with(|| {
