@@ -2,7 +2,8 @@
 //!
 //! Source: Vis2000 §4.1, Diss §4.1.5: eligible edges, and what makes one better than another. The text gives no formula for
 //! the priority; here it is how much closer to four the sides of faces and the edges of vertices come, how well the normals
-//! agree, and how right the angles of the new face are. Faces that would not be convex are not made.
+//! agree, and how right the angles of the new face are; faces of four sides are made before those of five. Faces that would
+//! not be convex are not made, nor those that bring faces and vertices farther from four.
 
 use super::corners::NONE;
 use super::priority::{BucketQueue, rank};
@@ -13,6 +14,8 @@ use crate::subdivision::Split;
 const SIDES: u32 = 5;
 /// Fewest edges of a vertex that may lose one.
 const VALENCE: u32 = 4;
+/// Advantage of faces of four sides.
+const QUADS_FIRST: f64 = 8.0;
 /// Least cosine between the normals of faces that become one.
 const AGREEMENT: f64 = 0.5;
 /// Least sine at a corner of a new face, seen along its normal.
@@ -137,7 +140,7 @@ impl<'a> Removal<'a> {
         let skew = skew(&corners[..merged as usize], (normals[0] + normals[1]).normalize_or_zero())?;
         let off = |count: u32, ideal: u32| f64::from(count.abs_diff(ideal)).powi(2);
         let before = off(sides[0], 4) + off(sides[1], 4);
-        let gain: f64 = ends
+        let at_ends: f64 = ends
             .iter()
             .zip(valences)
             .map(|(&end, valence)| {
@@ -145,8 +148,10 @@ impl<'a> Removal<'a> {
                 off(valence, ideal) - off(valence - 1, ideal)
             })
             .sum();
-        let score = 4.0 + before - off(merged, 4) + gain + 2.0 * agreement - 4.0 * skew;
-        (agreement >= AGREEMENT).then(|| 1.0 / score.max(0.01))
+        let gain = at_ends + before - off(merged, 4);
+        let first = if merged == 4 { QUADS_FIRST } else { 0.0 };
+        let score = first + 4.0 + gain + 2.0 * agreement - 4.0 * skew;
+        (agreement >= AGREEMENT && gain >= 0.0).then(|| 1.0 / score.max(0.01))
     }
 
     /// Corners of the face that two faces would become, or nothing where it would meet itself.

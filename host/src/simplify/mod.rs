@@ -7,14 +7,22 @@ mod collapse;
 mod corners;
 mod deviation;
 mod edge_removal;
+mod leaf_faces;
 mod legality;
+mod octree;
 mod priority;
+mod separate;
 mod star;
 mod surface;
+
+#[cfg(test)]
+mod tests;
 
 pub use base::base_mesh;
 pub use collapse::{Collapsed, collapse_edges};
 pub use edge_removal::remove_edges;
+pub use leaf_faces::octree_mesh;
+pub use octree::{OctreeOptions, Solid};
 
 use crate::field::Grid;
 use crate::mesh::Features;

@@ -149,6 +149,9 @@ impl Surface {
             };
             if let (Some(grid), true) = (border, boundary) {
                 vertex.planes = planes(grid, position);
+                if vertex.planes.count_ones() > 1 {
+                    vertex.kind = Kind::Corner;
+                }
             }
         }
     }
