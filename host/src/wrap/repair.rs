@@ -75,7 +75,8 @@ impl<'a> Patient<'a> {
     fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
         let leash = |vertex| (cluster.positions[vertex], LEASH * edge_length(&cluster, vertex));
         let leashes: Vec<_> = (0..cluster.movable).map(leash).collect();
-        let outwards = cluster.positions.iter().map(|&place| space.outwards(place)).collect();
+        let places = cluster.positions.iter().zip(&cluster.normals);
+        let outwards = places.map(|(&place, &normal)| space.outwards(place, normal)).collect();
         let steps = leashes.iter().map(|&(_, length)| length).collect();
         Self { cluster, space, goal, outwards, leashes, steps }
     }
@@ -130,9 +131,8 @@ impl<'a> Patient<'a> {
         let near = self.space.distance_in_cells(kept.0).max(NEAR);
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
-            let place = self.goal.approach(place, leash, self.space.cell);
-            let place = self.space.border.hold(self.cluster.sides[vertex], place);
-            let outwards = self.space.outwards(place);
+            let place = self.goal.approach(place, self.cluster.sides[vertex], leash, self.space);
+            let outwards = self.space.outwards(place, self.cluster.normals[vertex]);
             let strays = home.distance(place) > leash || self.space.distance_in_cells(place) > near;
             if strays || outwards.dot(kept.1) <= 0.0 {
                 continue;
