@@ -9,6 +9,7 @@ pub mod isosurface;
 pub mod measure;
 pub mod mesh;
 pub mod simplify;
+pub mod picture;
 pub mod subdivision;
 pub mod tables;
 pub mod transform;

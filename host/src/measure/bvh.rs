@@ -1,5 +1,7 @@
 //! A tree of boxes over the triangles of a mesh, for closest points and for pairs of triangles that may meet.
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 
 use super::{Bounds, Triangle};
@@ -67,7 +69,7 @@ impl Node {
 impl Bvh {
     /// Sorts the triangles of a mesh, whose positions are finite, into a tree.
     ///
-    /// Cost: O(n log n), about 0.2 s for a million triangles on two cores; 100 bytes a triangle.
+    /// Cost: O(n log n), about 0.4 s for a million triangles on two cores; 100 bytes a triangle.
     pub fn new(mesh: &TriangleMesh) -> Self {
         let corners = |triangle: &[u32; 3]| Triangle(triangle.map(|corner| mesh.positions[corner as usize]));
         let mut items: Vec<Item> = mesh
@@ -186,8 +188,8 @@ impl Bvh {
         })
     }
 
-    /// Calls `visit` with the index of every triangle of a leaf whose box meets `bounds`.
-    pub fn near(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
+    /// Calls `visit` with the index of every triangle of a leaf whose box meets `bounds`, until it says to stop.
+    pub fn near(&self, bounds: &Bounds, mut visit: impl FnMut(u32) -> ControlFlow<()>) {
         let mut pending = vec![Node { place: 0, first_leaf: 0, leaves: self.triangles.len().div_ceil(LEAF) }];
         while let Some(node) = pending.pop() {
             if node.leaves == 0 || !self.boxes[node.place].overlaps(bounds) {
@@ -198,7 +200,10 @@ impl Bvh {
                 continue;
             }
             let first = node.first_leaf * LEAF;
-            self.indices[first..].iter().take(LEAF).for_each(|&index| visit(index));
+            let leaf = &self.indices[first..(first + LEAF).min(self.indices.len())];
+            if leaf.iter().try_for_each(|&index| visit(index)).is_break() {
+                return;
+            }
         }
     }
 }
@@ -317,7 +322,10 @@ mod tests {
         let bvh = Bvh::new(&mesh);
         let window = Bounds { low: Point::splat(0.3), high: Point::splat(0.5) };
         let mut visited = vec![false; mesh.triangles.len()];
-        bvh.near(&window, |triangle| visited[triangle as usize] = true);
+        bvh.near(&window, |triangle| {
+            visited[triangle as usize] = true;
+            ControlFlow::Continue(())
+        });
         for (triangle, visited) in mesh.triangles.iter().zip(&visited) {
             let bounds = Bounds::around(triangle.map(|corner| mesh.positions[corner as usize]));
             assert!(*visited || !bounds.overlaps(&window));

@@ -3,9 +3,29 @@
 //! Positions are in the units of the field or file they come from. Faces are counter-clockwise seen from outside, which
 //! for an isosurface is where values are below the isovalue.
 
+mod builder;
+mod check;
+mod edges;
+mod error;
+mod feature;
+mod file;
+mod gltf;
+mod intersection;
+mod obj;
+mod off;
+mod ply;
+mod repair;
+mod stl;
+mod text;
 mod triangulation;
 
+pub use check::{Component, Report};
+pub use error::{MeshFault, MeshFileError};
+pub use feature::FeatureAngles;
+pub use file::{MeshFormat, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
+pub use intersection::self_intersections;
+pub use repair::Repairs;
 pub use triangulation::Triangulation;
 
 /// Points and polygons over them: what files, checks, measures and pictures need of a mesh.

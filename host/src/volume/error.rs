@@ -203,7 +203,7 @@ pub fn in_words(cause: &io::Error) -> String {
 }
 
 /// At most 48 characters of `text` as a quoted literal, so that no file can write to a terminal.
-pub(super) fn excerpt(text: &str) -> String {
+pub(crate) fn excerpt(text: &str) -> String {
     match text.char_indices().nth(48) {
         Some((end, _)) => format!("{:?}…", &text[..end]),
         None => format!("{text:?}"),

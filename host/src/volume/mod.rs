@@ -16,6 +16,7 @@ use std::io::Write;
 use std::path::Path;
 
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
+pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 use input::Input;
