@@ -3,6 +3,7 @@
 pub mod atomic;
 pub mod bound;
 pub mod codec;
+pub mod distance;
 pub mod field;
 pub mod integers;
 pub mod isosurface;
