@@ -34,7 +34,8 @@ impl<'a> Fit<'a> {
             let mut found = self.level(&mut level);
             (found.level, found.seconds) = (number, begun.elapsed().as_secs_f64());
             report.levels.push(found);
-            if found.at_faces.rms <= self.options.tolerance {
+            let tolerance = self.options.tolerance;
+            if tolerance > 0.0 && found.at_faces.rms <= tolerance {
                 break;
             }
         }

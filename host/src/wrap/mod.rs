@@ -39,7 +39,8 @@ use crate::subdivision::SubdivisionSurface;
 pub struct WrapOptions<'a> {
     /// Most levels: how often every face of the base mesh is split.
     pub levels: u32,
-    /// No further level once the RMS distance of the faces' centres from the surface is at most this, in cells' edges.
+    /// No further level once the RMS distance of the faces' centres from the surface is at most this, in cells' edges; 0 for
+    /// all levels.
     pub tolerance: f64,
     /// Rounds of relaxation and attraction at each level.
     pub rounds: u32,

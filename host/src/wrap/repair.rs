@@ -174,3 +174,34 @@ fn edge_length(cluster: &Cluster, vertex: usize) -> f64 {
     let lengths = ends.iter().map(|&end| cluster.positions[end as usize].distance(place));
     lengths.sum::<f64>() / ends.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Grid, ScalarField};
+    use crate::wrap::goal::Target;
+    use crate::wrap::{WrapOptions, tests::cubes, wrap};
+
+    #[test]
+    fn tangles_are_undone_and_the_rest_stays() {
+        let middle = Point::splat(16.0);
+        let field = ScalarField::from_function(Grid::unit([33; 3]), |point| point.distance(middle) - 11.0);
+        let surface = wrap(&cubes(&field, 8), &field, &WrapOptions::default()).unwrap().surface;
+        let space = Space::new(&field);
+        let mut level = Level::base(&surface.level(3), &space.border).unwrap();
+        // Every vertex in a cap changes places with the one opposite to it.
+        let cap: Vec<usize> =
+            (0..level.positions.len()).filter(|&vertex| level.positions[vertex].z > 25.5).collect();
+        for &vertex in &cap {
+            level.positions[vertex] =
+                Point::new(32.0, 32.0, 0.0) + level.positions[vertex] * Point::new(-1.0, -1.0, 1.0);
+        }
+        let kept = level.positions.clone();
+        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance, &space));
+        assert!(before.corners > 10, "{before:?}");
+        assert!(after.corners < before.corners, "{after:?}");
+        assert!(level.positions.iter().all(|place| (place.distance(middle) - 11.0).abs() < 0.15));
+        let unmoved = kept.iter().zip(&level.positions).filter(|(old, new)| old == new).count();
+        assert!(unmoved > kept.len() / 2);
+    }
+}
