@@ -23,6 +23,8 @@ pub(super) struct Cluster {
     pub(super) neighbours: Vec<Vec<u32>>,
     /// The sides of the box that vertices are held to.
     pub(super) sides: Vec<Sides>,
+    /// Unit normals of the mesh at the vertices.
+    pub(super) normals: Vec<Point>,
     /// Where the vertices are.
     pub(super) positions: Vec<Point>,
 }
@@ -112,6 +114,7 @@ fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
     Cluster {
         neighbours: vertices[..movable].iter().map(neighbours).collect(),
         sides: vertices.iter().map(|&vertex| level.sides[vertex as usize]).collect(),
+        normals: vertices.iter().map(|&vertex| level.normal(vertex as usize)).collect(),
         positions: vertices.iter().map(|&vertex| level.positions[vertex as usize]).collect(),
         vertices,
         movable,

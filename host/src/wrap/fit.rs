@@ -11,9 +11,6 @@ use super::report::{self, LevelReport, WrapReport, misfit};
 use super::{Target, WrapError, WrapOptions, quality};
 use crate::mesh::{Point, PolygonMesh};
 
-/// Rounds of the final correction: on the border of the field, where a step is followed by one back to it.
-const CORRECTIONS: usize = 3;
-
 /// What a mesh is fitted to, and how.
 pub(super) struct Fit<'a> {
     space: Space<'a>,
@@ -37,16 +34,18 @@ impl<'a> Fit<'a> {
             let mut found = self.level(&mut level);
             (found.level, found.seconds) = (number, begun.elapsed().as_secs_f64());
             report.levels.push(found);
-            if found.at_faces.rms <= self.options.tolerance {
+            let tolerance = self.options.tolerance;
+            if tolerance > 0.0 && found.at_faces.rms <= tolerance {
                 break;
             }
         }
         let begun = Instant::now();
         self.correct(&mut level);
         report.correction_seconds = begun.elapsed().as_secs_f64();
+        let goal = Goal::new(self.options.target, &self.space);
         let (inverted, counts) = quality::inverted(&level, &self.space, 0.0);
         report.inverted = counts;
-        (report.components, report.failures) = report::failures(&level, &self.space, &inverted);
+        (report.components, report.failures) = report::failures(&level, &self.space, &goal, &inverted);
         Ok((level.positions, report))
     }
 
@@ -83,9 +82,7 @@ impl<'a> Fit<'a> {
             return;
         }
         let goal = Goal::new(self.options.target, &self.space);
-        for _ in 0..CORRECTIONS {
-            level.approach(&self.space, &goal, self.options.reach);
-        }
+        level.approach(&self.space, &goal, self.options.reach);
         repair(level, &self.space, &goal);
     }
 }

@@ -17,6 +17,8 @@ const LEAST_FREE: f64 = 0.1;
 /// How far along a line the surface may be, in distances from it: the reciprocal of the least cosine between the line and
 /// the surface's normal, were it a plane.
 const MOST_SLANTED: f64 = 3.0;
+/// Least reach of a vertex, in cells.
+const LEAST_REACH: f64 = 0.5;
 /// Nearer than this to the surface is on it, in cells.
 const NEAR: f64 = 0.01;
 /// What is on the border, in cells: nearer than positions in `f32` tell apart.
@@ -57,9 +59,12 @@ impl<'a> Space<'a> {
         self.distance.sample_clamped(point).abs() / self.cell
     }
 
-    /// Which way the surface near a point faces.
-    pub(super) fn outwards(&self, point: Point) -> Point {
-        self.distance.sample_clamped_with_gradient(point).1
+    /// Which way the surface near a vertex of a mesh faces: along the gradient of the distance, which is a unit vector but
+    /// where sheets of the surface are closer than a cell or two. There the normal of the mesh, a unit vector, makes up for
+    /// what the gradient is short of.
+    pub(super) fn outwards(&self, point: Point, normal: Point) -> Point {
+        let gradient = self.distance.sample_clamped_with_gradient(point).1;
+        gradient + (1.0 - gradient.length()).max(0.0) * normal
     }
 }
 
@@ -153,7 +158,7 @@ impl Level {
     /// Where a vertex is attracted to.
     fn attracted(&self, vertex: usize, space: &Space, options: &WrapOptions) -> Option<Point> {
         let (place, sides) = (self.positions[vertex], self.sides[vertex]);
-        let reach = options.reach * self.rings.edge_length(vertex, &self.positions);
+        let reach = self.reach(vertex, space, options.reach);
         match self.rings.kind(vertex) {
             Kind::Fixed if sides.count() != 2 => return Some(place),
             Kind::Crease(ends) if sides.count() == 0 => {
@@ -166,8 +171,7 @@ impl Level {
             }
             _ => {}
         }
-        let normal = self.rings.normal(vertex, &self.positions).normalize_or_zero();
-        let direction = sides.free_part(normal);
+        let direction = sides.free_part(self.normal(vertex));
         if direction.length() < LEAST_FREE {
             return None;
         }
@@ -193,6 +197,16 @@ impl Level {
         missed.iter().copied().filter(is_off).collect()
     }
 
+    /// The unit normal of the mesh at a vertex; zero where it has none.
+    pub(super) fn normal(&self, vertex: usize) -> Point {
+        self.rings.normal(vertex, &self.positions).normalize_or_zero()
+    }
+
+    /// How far a vertex may look, given in lengths of its edges: in a dense mesh as far as the field tells things apart.
+    fn reach(&self, vertex: usize, space: &Space, reach: f64) -> f64 {
+        (reach * self.rings.edge_length(vertex, &self.positions)).max(LEAST_REACH * space.cell)
+    }
+
     /// Moves all vertices at once to a goal.
     pub(super) fn approach(&mut self, space: &Space, goal: &Goal, reach: f64) {
         let moved = |vertex| self.approached(vertex, space, goal, reach);
@@ -210,9 +224,10 @@ impl Level {
         if !may_move {
             return place;
         }
-        let reach = reach * self.rings.edge_length(vertex, &self.positions);
-        let found = space.border.hold(sides, goal.approach(place, reach, space.cell));
-        let agrees = self.rings.normal(vertex, &self.positions).dot(space.outwards(found)) > 0.0;
+        let reach = self.reach(vertex, space, reach);
+        let found = goal.approach(place, sides, reach, space);
+        let normal = self.normal(vertex);
+        let agrees = normal.dot(space.outwards(found, normal)) > 0.0;
         if agrees { found } else { place }
     }
 }

@@ -39,13 +39,16 @@ use crate::subdivision::SubdivisionSurface;
 pub struct WrapOptions<'a> {
     /// Most levels: how often every face of the base mesh is split.
     pub levels: u32,
-    /// No further level once the RMS distance of the faces' centres from the surface is at most this, in cells' edges.
+    /// No further level once the RMS distance of the faces' centres from the surface is at most this, in cells' edges; 0 for
+    /// all levels.
     pub tolerance: f64,
-    /// Rounds of relaxation and attraction at each level.
+    /// Rounds of relaxation and attraction at each level. One is best where the surface is rough: with each round, vertices
+    /// slide farther along it, and more faces fold.
     pub rounds: u32,
     /// How far relaxation moves a vertex towards its neighbours, in 0 to 1.
     pub relaxation: f64,
-    /// Whether relaxation keeps vertices on a quadratic height map, so that curved places do not shrink.
+    /// Whether relaxation keeps vertices on a quadratic height map, so that curved places do not shrink. As attraction
+    /// follows each relaxation, it makes little difference, but for surfaces that attraction does not reach.
     pub keep_height: bool,
     /// How far attraction looks for the surface, in lengths of the vertex' edges.
     pub reach: f64,
@@ -63,9 +66,9 @@ impl Default for WrapOptions<'_> {
         Self {
             levels: 3,
             tolerance: 0.0,
-            rounds: 4,
+            rounds: 1,
             relaxation: 0.2,
-            keep_height: true,
+            keep_height: false,
             reach: 1.0,
             vertex_limit: 1 << 28,
             target: Target::Distance,
@@ -91,7 +94,7 @@ pub struct Wrapped {
 /// # Errors
 /// [`WrapError`].
 ///
-/// Cost: about 6 µs a vertex of the finest mesh on one core, and 250 bytes.
+/// Cost: about 10 µs a vertex of the finest mesh on one core, several times that where much is folded, and 250 bytes.
 pub fn wrap(base: &PolygonMesh, distance: &ScalarField, options: &WrapOptions) -> Result<Wrapped, WrapError> {
     check::field(distance)?;
     if let Target::Isosurface(field, _) = options.target {

@@ -49,10 +49,13 @@ fn area(face: &[u32], positions: &[Point]) -> Point {
 /// The faces with a corner below `least`, in order, and counts of those below zero.
 pub(super) fn inverted(level: &Level, space: &Space, least: f64) -> (Vec<u32>, Inverted) {
     let positions = &level.positions;
-    let gradients: Vec<Point> = positions.par_iter().map(|&place| space.outwards(place)).collect();
+    let outwards: Vec<Point> = (0..positions.len())
+        .into_par_iter()
+        .map(|vertex| space.outwards(positions[vertex], level.normal(vertex)))
+        .collect();
     let judge = |face: usize| {
         let corners = level.faces.get(face);
-        let outwards = corners.iter().map(|&corner| gradients[corner as usize]).sum();
+        let outwards = corners.iter().map(|&corner| outwards[corner as usize]).sum();
         let worst = least_corner(corners, positions, outwards);
         let over = area(corners, positions).dot(outwards) <= 0.0;
         (worst < least).then_some((face as u32, worst <= 0.0, over))

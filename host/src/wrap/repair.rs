@@ -75,7 +75,8 @@ impl<'a> Patient<'a> {
     fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
         let leash = |vertex| (cluster.positions[vertex], LEASH * edge_length(&cluster, vertex));
         let leashes: Vec<_> = (0..cluster.movable).map(leash).collect();
-        let outwards = cluster.positions.iter().map(|&place| space.outwards(place)).collect();
+        let places = cluster.positions.iter().zip(&cluster.normals);
+        let outwards = places.map(|(&place, &normal)| space.outwards(place, normal)).collect();
         let steps = leashes.iter().map(|&(_, length)| length).collect();
         Self { cluster, space, goal, outwards, leashes, steps }
     }
@@ -130,9 +131,8 @@ impl<'a> Patient<'a> {
         let near = self.space.distance_in_cells(kept.0).max(NEAR);
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
-            let place = self.goal.approach(place, leash, self.space.cell);
-            let place = self.space.border.hold(self.cluster.sides[vertex], place);
-            let outwards = self.space.outwards(place);
+            let place = self.goal.approach(place, self.cluster.sides[vertex], leash, self.space);
+            let outwards = self.space.outwards(place, self.cluster.normals[vertex]);
             let strays = home.distance(place) > leash || self.space.distance_in_cells(place) > near;
             if strays || outwards.dot(kept.1) <= 0.0 {
                 continue;
@@ -173,4 +173,35 @@ fn edge_length(cluster: &Cluster, vertex: usize) -> f64 {
     let place = cluster.positions[vertex];
     let lengths = ends.iter().map(|&end| cluster.positions[end as usize].distance(place));
     lengths.sum::<f64>() / ends.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Grid, ScalarField};
+    use crate::wrap::goal::Target;
+    use crate::wrap::{WrapOptions, tests::cubes, wrap};
+
+    #[test]
+    fn tangles_are_undone_and_the_rest_stays() {
+        let middle = Point::splat(16.0);
+        let field = ScalarField::from_function(Grid::unit([33; 3]), |point| point.distance(middle) - 11.0);
+        let surface = wrap(&cubes(&field, 8), &field, &WrapOptions::default()).unwrap().surface;
+        let space = Space::new(&field);
+        let mut level = Level::base(&surface.level(3), &space.border).unwrap();
+        // Every vertex in a cap changes places with the one opposite to it.
+        let cap: Vec<usize> =
+            (0..level.positions.len()).filter(|&vertex| level.positions[vertex].z > 25.5).collect();
+        for &vertex in &cap {
+            level.positions[vertex] =
+                Point::new(32.0, 32.0, 0.0) + level.positions[vertex] * Point::new(-1.0, -1.0, 1.0);
+        }
+        let kept = level.positions.clone();
+        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance, &space));
+        assert!(before.corners > 10, "{before:?}");
+        assert!(after.corners < before.corners, "{after:?}");
+        assert!(level.positions.iter().all(|place| (place.distance(middle) - 11.0).abs() < 0.15));
+        let unmoved = kept.iter().zip(&level.positions).filter(|(old, new)| old == new).count();
+        assert!(unmoved > kept.len() / 2);
+    }
 }

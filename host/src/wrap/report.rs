@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 
 use super::Inverted;
+use super::goal::Goal;
 use super::level::{Level, Space};
 use crate::measure::Bounds;
 use crate::mesh::Point;
 
-/// A vertex farther than this from the surface does not fit, in cells' edges.
+/// A vertex farther than this from its target does not fit, in cells' edges.
 pub const UNFIT: f64 = 0.1;
 /// A component with a smaller diagonal than this, in cells' edges, is less than what the cells can tell.
 pub const SMALL: f64 = 2.0;
@@ -69,9 +70,9 @@ pub struct Failure {
     pub vertices: usize,
     /// Diagonal of the box around it, in cells' edges.
     pub diagonal: f64,
-    /// Vertices farther than [`UNFIT`] from the zeros of the distance field.
+    /// Vertices farther than [`UNFIT`] from the target.
     pub unfit: usize,
-    /// The farthest of them, in cells' edges.
+    /// The farthest of them from the zeros of the distance field, in cells' edges.
     pub most: f64,
     /// Faces of which a corner is turned over.
     pub inverted: usize,
@@ -111,18 +112,19 @@ struct Tally {
 }
 
 /// Number of components, and those that do not fit.
-pub(super) fn failures(level: &Level, space: &Space, inverted: &[u32]) -> (usize, Vec<Failure>) {
+pub(super) fn failures(level: &Level, space: &Space, goal: &Goal, inverted: &[u32]) -> (usize, Vec<Failure>) {
     let firsts = level.first_of_components();
     let none = Tally { vertices: 0, bounds: Bounds::NONE, unfit: 0, most: 0.0, inverted: 0 };
     let mut tallies = vec![none; firsts.len()];
-    let distances: Vec<f64> =
-        level.positions.par_iter().map(|&place| space.distance_in_cells(place)).collect();
-    for ((&component, &place), distance) in level.components.iter().zip(&level.positions).zip(distances) {
+    let limit = UNFIT * space.cell;
+    let misfit = |&place: &Point| (!goal.is_near(place, limit)).then(|| space.distance_in_cells(place));
+    let misfits: Vec<Option<f64>> = level.positions.par_iter().map(misfit).collect();
+    for ((&component, &place), misfit) in level.components.iter().zip(&level.positions).zip(misfits) {
         let tally = &mut tallies[component as usize];
         tally.vertices += 1;
         tally.bounds = tally.bounds.joined(Bounds { low: place, high: place });
-        tally.unfit += usize::from(distance > UNFIT);
-        tally.most = tally.most.max(distance);
+        tally.unfit += usize::from(misfit.is_some());
+        tally.most = tally.most.max(misfit.unwrap_or(0.0));
     }
     for &face in inverted {
         let corner = level.faces.get(face as usize)[0];
