@@ -8,6 +8,7 @@ mod split;
 mod surface;
 
 pub use hierarchy::{Hierarchy, Step};
+pub(crate) use limit::area_vectors;
 pub use limit::{Limit, limit, normals};
 pub use rules::{EdgeRule, Rules, VertexRule};
 pub use split::Split;

@@ -1,6 +1,6 @@
 //! Surfaces with subdivision connectivity.
 
-use super::Split;
+use super::{Hierarchy, Limit, Split, limit};
 use crate::mesh::{Faces, Features, Point, PolygonMesh};
 
 /// A base mesh split a number of times, and a point for every vertex of the finest mesh.
@@ -97,6 +97,23 @@ impl SubdivisionSurface {
         mesh
     }
 
+    /// For each face of a level the face of the base mesh that it is part of: a patch of one colour.
+    pub fn patches(&self, level: u32) -> Vec<u32> {
+        let parts = |face: &[u32]| if level == 0 { 1 } else { face.len() << (2 * (level - 1)) };
+        let faces = self.base.iter().enumerate();
+        faces.flat_map(|(face, corners)| std::iter::repeat_n(face as u32, parts(corners))).collect()
+    }
+
+    /// Where bicubic subdivision would bring the vertices of a level, and the normals there; the faces are those of
+    /// [`SubdivisionSurface::level`].
+    ///
+    /// # Panics
+    /// If `level` is more than `levels`.
+    pub fn limit(&self, level: u32) -> Limit {
+        let hierarchy = Hierarchy::new(self.base_vertices(), &self.base, &self.features, level + 1);
+        limit(&hierarchy.steps()[level as usize], &self.level(level))
+    }
+
     fn splits_to(&self, level: u32) -> Splits {
         Splits { next: Split::new(self.base_vertices(), &self.base), left: level }
     }
@@ -151,6 +168,12 @@ mod tests {
         assert_eq!(mesh.positions, surface.positions[..mesh.positions.len()]);
         assert_eq!(mesh.features.edges.len(), 4);
         assert_eq!(surface.level(0).faces(), &surface.base);
+        assert_eq!(surface.patches(0), [0, 1, 2, 3, 4, 5]);
+        let patches = surface.patches(2);
+        assert_eq!(patches.len(), mesh.faces().len());
+        // Four faces of 4 times 4 quads, then two of 3 times 4.
+        assert_eq!([patches[15], patches[16], patches[64], patches[87]], [0, 1, 4, 5]);
+        assert_eq!(surface.limit(3).positions.len(), surface.positions.len());
     }
 
     #[test]

@@ -31,6 +31,15 @@ const fn coarse(class: usize) -> usize {
     }
 }
 
+/// What is known of some coefficients around one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Around {
+    /// Sums of magnitudes, in units of the current plane.
+    pub(super) sizes: [u32; 3],
+    /// How many more normal parts are positive than negative.
+    pub(super) leaning: i32,
+}
+
 /// Where a coefficient is, and what is known around it, in magnitudes in units of the current plane.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
@@ -41,11 +50,11 @@ pub(super) struct Place {
     /// The plane, at most 31.
     pub(super) plane: usize,
     /// Faces next to an edge or edges next to a face.
-    pub(super) near: [u32; 3],
+    pub(super) near: Around,
     /// Edges beyond the faces next to an edge, or faces beyond the edges of a face.
-    pub(super) far: [u32; 3],
+    pub(super) far: Around,
     /// Vertices of the coarser level that it lies between.
-    pub(super) parents: [u32; 3],
+    pub(super) parents: Around,
     /// The components of the vertex itself.
     pub(super) own: [u32; 3],
 }
@@ -58,6 +67,7 @@ const MIXED: usize = 6;
 pub(super) struct Models {
     begins: [Vec<Chance>; MIXED],
     begin_mix: Vec<Mix<MIXED>>,
+    negative: [Chance; 54],
     more: [Vec<Chance>; 2],
     more_mix: Vec<Mix<2>>,
 }
@@ -75,6 +85,7 @@ impl Models {
                 chances(6 * CLASSES * CLASSES),
             ],
             begin_mix: vec![Mix::new(16_000); 6 * 5],
+            negative: [Chance::expecting(1 << 15, 4); 54],
             more: [vec![Chance::EVEN; 6 * 3 * CLASSES], vec![Chance::EVEN; 6 * 3 * 8]],
             more_mix: vec![Mix::new(32_000); 6],
         }
@@ -89,10 +100,12 @@ impl Models {
         component: usize,
     ) -> bool {
         let kind = component * 2 + usize::from(place.in_face);
-        let [near, far, parent] = [place.near, place.far, place.parents].map(|sums| class(sums[component]));
-        let energy = class(2 * place.near[component] + place.far[component]);
+        let [near, far, parent] =
+            [place.near, place.far, place.parents].map(|around| class(around.sizes[component]));
+        let (near_sizes, far_sizes) = (&place.near.sizes, &place.far.sizes);
+        let energy = class(2 * near_sizes[component] + far_sizes[component]);
         let others = |sums: &[u32; 3]| sums.iter().sum::<u32>() - sums[component];
-        let (own, beside) = (others(&place.own), class(2 * others(&place.near) + others(&place.far)));
+        let (own, beside) = (others(&place.own), class(2 * others(near_sizes) + others(far_sizes)));
         let own = class(own);
         let contexts = [
             (kind * CLASSES + energy) * 5 + coarse(parent),
@@ -109,6 +122,24 @@ impl Models {
         coder.mixed(bit, chances, &mut self.begin_mix[kind * 5 + coarse(energy)])
     }
 
+    /// Codes the sign of a component that begins. Tangents point anywhere, so that only normal parts go with their
+    /// neighbours.
+    pub(super) fn negative(
+        &mut self,
+        coder: &mut impl BitCoder,
+        bit: bool,
+        place: &Place,
+        component: usize,
+    ) -> bool {
+        if component > 0 {
+            return coder.decide(bit, 1 << 15);
+        }
+        let signs =
+            [place.near, place.far, place.parents].map(|around| (around.leaning.signum() + 1) as usize);
+        let context = signs.iter().fold(usize::from(place.in_face), |context, sign| context * 3 + sign);
+        coder.bit(bit, &mut self.negative[context])
+    }
+
     /// Codes the bit in this plane of a component that began in one `above` planes higher.
     pub(super) fn more(
         &mut self,
@@ -118,7 +149,7 @@ impl Models {
         (component, above): (usize, usize),
     ) -> bool {
         let kind = (component * 2 + usize::from(place.in_face)) * 3 + above.min(3) - 1;
-        let energy = class((2 * place.near[component] + place.far[component]) / 2);
+        let energy = class((2 * place.near.sizes[component] + place.far.sizes[component]) / 2);
         let [first, second] = &mut self.more;
         let chances = [&mut first[kind * CLASSES + energy], &mut second[kind * 8 + place.depth]];
         coder.mixed(bit, chances, &mut self.more_mix[kind / 3])

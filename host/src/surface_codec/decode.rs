@@ -6,7 +6,7 @@ use super::base_segment::{code_connectivity, code_depths, code_features, code_po
 use super::error::DecodeError;
 use super::header::Header;
 use super::planes::{Cut, Depths, Scan, Triple};
-use super::rebuild;
+use super::rebuild::Shape;
 use super::regions::Regions;
 use crate::mesh::Features;
 use crate::subdivision::{Hierarchy, SubdivisionSurface};
@@ -141,7 +141,8 @@ impl<'a> File<'a> {
             cuts.push(scan.run().1);
         }
         let unknown = |vertex: usize, component: usize| self.unknown(&cuts, vertex, component);
-        let positions = rebuild::points(&self.header, &self.hierarchy, &self.numbers, &unknown);
+        let shape = Shape { header: &self.header, hierarchy: &self.hierarchy };
+        let positions = shape.points(&self.numbers, &unknown);
         Ok(SubdivisionSurface { positions, ..self.surface.clone() })
     }
 

@@ -1,13 +1,13 @@
 //! How far decoded points are from those encoded.
 
 use crate::mesh::Point;
-use crate::subdivision::{SubdivisionSurface, normals};
+use crate::subdivision::{SubdivisionSurface, area_vectors};
 
 /// Distances between points of the same number, in world units. Those between surfaces are no larger, and to first order
 /// those along normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// Root mean square distance.
+    /// Root mean square distance over the area.
     pub rms: f64,
     /// Root mean square of the parts along normals.
     pub rms_along_normals: f64,
@@ -17,18 +17,19 @@ pub struct Deviation {
 
 impl Deviation {
     pub(super) fn between(surface: &SubdivisionSurface, points: &[Point]) -> Self {
-        let normals = normals(&surface.level(surface.levels));
-        let mut sums = [0.0; 2];
+        let areas = area_vectors(&surface.level(surface.levels));
+        let (mut all, mut rms, mut along) = (0.0, 0.0, 0.0);
         let mut largest = 0.0_f64;
-        for ((point, given), normal) in points.iter().zip(&surface.positions).zip(&normals) {
+        for ((point, given), area) in points.iter().zip(&surface.positions).zip(&areas) {
             let off = *point - *given;
-            let square = off.length_squared();
-            sums[0] += square;
-            // A vertex without a normal counts wholly.
-            sums[1] += if *normal == Point::ZERO { square } else { off.dot(*normal).powi(2) };
-            largest = largest.max(square);
+            // Where there is no area, as if there were next to none.
+            let weight = area.length().max(1e-200);
+            all += weight;
+            rms += weight * off.length_squared();
+            along += weight * off.dot(*area / weight).powi(2);
+            largest = largest.max(off.length_squared());
         }
-        let [rms, rms_along_normals] = sums.map(|sum| (sum / points.len() as f64).sqrt());
+        let [rms, rms_along_normals] = [rms, along].map(|sum| (sum / all).sqrt());
         Self { rms, rms_along_normals, largest: largest.sqrt() }
     }
 }

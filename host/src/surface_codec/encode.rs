@@ -8,7 +8,7 @@ use super::error::EncodeError;
 use super::header::{Header, MOST_LEVELS, Segment};
 use super::order::reordered;
 use super::planes::{Cut, Depths, Part, Scan, Triple};
-use super::rebuild;
+use super::rebuild::Shape;
 use super::regions::Regions;
 use super::{Deviation, Precision, Settings};
 use crate::mesh::Point;
@@ -117,6 +117,13 @@ pub fn encode(surface: &SubdivisionSurface, settings: &Settings) -> Result<Encod
     }
 }
 
+/// What a file is to hold.
+struct Quantized {
+    header: Header,
+    numbers: Vec<Triple>,
+    deviation: Deviation,
+}
+
 struct Encoder<'a> {
     arranged: &'a Arranged,
     hierarchy: &'a Hierarchy,
@@ -149,9 +156,15 @@ impl<'a> Encoder<'a> {
     }
 
     fn lossy(&self, step: f64) -> Result<Encoded, EncodeError> {
+        let quantized = self.quantized(step)?;
+        Ok(self.file(quantized))
+    }
+
+    fn quantized(&self, step: f64) -> Result<Quantized, EncodeError> {
         let header = Header { step, ..self.header.clone() };
-        let (numbers, points) = rebuild::quantize(&header, self.hierarchy, &self.coefficients)?;
-        Ok(self.file(header, &numbers, self.deviation(&points)))
+        let (numbers, points) =
+            Shape { header: &header, hierarchy: self.hierarchy }.quantize(&self.coefficients)?;
+        Ok(Quantized { deviation: self.deviation(&points), header, numbers })
     }
 
     fn lossless(&self, unit: f64) -> Result<Encoded, EncodeError> {
@@ -170,32 +183,27 @@ impl<'a> Encoder<'a> {
             .map(|point| Point::from_array(point.map(|value| f64::from(value) * unit)))
             .collect();
         lossless::forward(header.basis, self.hierarchy, &mut numbers);
-        Ok(self.file(header, &numbers, self.deviation(&points)))
+        Ok(self.file(Quantized { header, numbers, deviation: self.deviation(&points) }))
     }
 
     /// The coarsest step found whose deviation along normals is at most `rms`.
     fn within(&self, rms: f64) -> Result<Encoded, EncodeError> {
         let mut step = rms * 4.0;
-        let mut best = None;
+        let mut best: Option<Quantized> = None;
         for _ in 0..60 {
-            let header = Header { step, ..self.header.clone() };
-            let (numbers, points) = rebuild::quantize(&header, self.hierarchy, &self.coefficients)?;
-            let deviation = self.deviation(&points);
-            let found = deviation.rms_along_normals;
-            if found <= rms && best.as_ref().is_none_or(|(better, ..): &(f64, _, _, _)| *better < step) {
-                best = Some((step, header, numbers, deviation));
+            let quantized = self.quantized(step)?;
+            let found = quantized.deviation.rms_along_normals;
+            if found <= rms && best.as_ref().is_none_or(|best| best.header.step < step) {
+                best = Some(quantized);
             }
-            if found <= rms && found > 0.95 * rms {
+            // Near enough, or not much is to be gained by going on.
+            let is_near = found <= rms && found > 0.95 * rms;
+            if is_near || best.as_ref().is_some_and(|best| best.header.step > step || found < 1e-3 * rms) {
                 break;
             }
-            match &best {
-                // Not much is to be gained by going on.
-                Some((better, ..)) if *better > step || found < 1e-3 * rms => break,
-                _ => step *= (0.98 * rms / found.max(1e-30)).clamp(0.2, 4.0),
-            }
+            step *= (0.98 * rms / found.max(1e-300)).clamp(0.2, 4.0);
         }
-        let (_, header, numbers, deviation) = best.ok_or(EncodeError::Range { step })?;
-        Ok(self.file(header, &numbers, deviation))
+        best.map(|best| self.file(best)).ok_or(EncodeError::Range { step })
     }
 
     /// A file of a step fine enough to have `bytes`, cut there.
@@ -218,16 +226,17 @@ impl<'a> Encoder<'a> {
         Ok(file)
     }
 
-    fn file(&self, mut header: Header, numbers: &[Triple], deviation: Deviation) -> Encoded {
-        let depths = self.depths(&header, numbers);
-        let base = self.base_segment(&header, &depths, numbers);
+    fn file(&self, quantized: Quantized) -> Encoded {
+        let Quantized { mut header, numbers, deviation } = quantized;
+        let depths = self.depths(&header, &numbers);
+        let base = self.base_segment(&header, &depths, &numbers);
         let mut known = vec![[0; 3]; numbers.len()];
         let high = numbers[..self.hierarchy.vertices(0)].iter();
         for (known, number) in known.iter_mut().zip(high) {
             *known = number.map(|value| value >> depths.base_bits << depths.base_bits);
         }
         let parts: Vec<Vec<u8>> = super::parts(self.hierarchy, self.regions.as_ref())
-            .map(|part| self.planes(&depths, part, &mut known, numbers))
+            .map(|part| self.planes(&depths, part, &mut known, &numbers))
             .collect();
         header.base = Segment::of(&base);
         header.parts = parts.iter().map(|part| Segment::of(part)).collect();
@@ -249,11 +258,8 @@ impl<'a> Encoder<'a> {
             bits.push(all.map(length));
         }
         let mut depths = Depths { bits, ..shifts(header) };
-        // Points of the base mesh are as precise as the first planes of the coefficients.
-        let highest = depths.bits.iter().zip(&depths.shifts);
-        let highest =
-            highest.map(|(bits, shift)| bits.iter().max().copied().unwrap_or(0) as u32 + shift).max();
-        depths.base_bits = highest.unwrap_or(0).saturating_sub(depths.base_shift).min(30);
+        // Points of the base mesh are as precise as the first planes of the details.
+        depths.base_bits = depths.planes().saturating_sub(depths.base_shift).min(30);
         depths
     }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use wavelift_kernel::bits::{BitCoder, BitDecoder, BitEncoder, Chance};
 
-use super::contexts::{Models, Place};
+use super::contexts::{Around, Models, Place};
 use super::regions::Regions;
 use crate::subdivision::Hierarchy;
 
@@ -43,7 +43,8 @@ pub(super) struct Depths {
 }
 
 impl Depths {
-    fn planes(&self) -> u32 {
+    /// Number of planes.
+    pub(super) fn planes(&self) -> u32 {
         let steps = self.bits.iter().zip(&self.shifts);
         let steps = steps.map(|(bits, shift)| bits.iter().max().copied().unwrap_or(0) as u32 + shift);
         steps.max().unwrap_or(0).max(self.base_bits + self.base_shift)
@@ -177,20 +178,22 @@ impl<'a, C: Ending> Scan<'a, C> {
         self.part.region.is_none_or(|(regions, region)| regions.of_vertex(vertex) == Some(region))
     }
 
-    /// Adds magnitudes, in units of the plane; those of other regions count as zero.
-    fn add(&self, sum: &mut [u32; 3], vertex: u32, place: u32) {
+    /// Adds magnitudes, in units of the plane, and a sign; those of other regions count as zero.
+    fn add(&self, sum: &mut Around, vertex: u32, place: u32) {
         if let Some((regions, region)) = self.part.region
             && regions.of_vertex(vertex as usize).is_some_and(|other| other != region)
         {
             return;
         }
-        for (sum, value) in sum.iter_mut().zip(self.known[vertex as usize]) {
-            *sum += (value.unsigned_abs() >> place).min(40);
+        let known = self.known[vertex as usize];
+        for (size, value) in sum.sizes.iter_mut().zip(known) {
+            *size += (value.unsigned_abs() >> place).min(40);
         }
+        sum.leaning += known[0].signum();
     }
 
     /// Adds what is known of the vertices that a coefficient lies between, but those of the base mesh, which has no details.
-    fn add_parent(&self, sum: &mut [u32; 3], vertex: u32, place: u32) {
+    fn add_parent(&self, sum: &mut Around, vertex: u32, place: u32) {
         if vertex as usize >= self.hierarchy.vertices(0) {
             self.add(sum, vertex, place);
         }
@@ -241,7 +244,7 @@ impl<'a, C: Ending> Scan<'a, C> {
             let known = self.known[vertex][component];
             if known == 0 {
                 let begins = self.models.begins(&mut self.coder, bit, &at, component);
-                let negative = begins && self.coder.decide(given < 0, 1 << 15);
+                let negative = begins && self.models.negative(&mut self.coder, given < 0, &at, component);
                 if self.coder.is_ended() {
                     return Err(Ended(vertex, component));
                 }

@@ -13,7 +13,7 @@ mod transform;
 pub use basis::{Basis, Kind, Lift};
 pub use norms::Norms;
 pub use selection::keep_largest;
-pub use transform::{forward, forward_step, inverse, inverse_step};
+pub use transform::{forward, forward_step, inverse, inverse_step, inverse_to_level};
 
 pub mod lossless {
     //! The same wavelets on integer coordinates, without loss.

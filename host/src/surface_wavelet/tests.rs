@@ -79,6 +79,21 @@ fn the_inverse_restores_the_input() {
     }
 }
 
+#[test]
+fn a_level_is_what_further_steps_start_from() {
+    for hierarchy in hierarchies() {
+        let coefficients = points(hierarchy.finest_vertices());
+        let count = hierarchy.vertices(2);
+        let mut level = coefficients[..count].to_vec();
+        inverse_to_level(Basis::Bicubic, &hierarchy, 2, &mut level);
+        let mut finest = coefficients.clone();
+        finest[count..].fill(Point::ZERO);
+        inverse(Basis::Bicubic, &hierarchy, &mut finest);
+        forward_step(Basis::Bicubic, &hierarchy.steps()[2], &mut finest);
+        assert!(largest_difference(&level, &finest[..count]) < 1e-12);
+    }
+}
+
 /// Fitting what subdivision made gives it back, and no details; what expansion made is fitted by nothing.
 #[test]
 fn fs_and_ce_are_identities_and_fe_and_cs_are_zero() {
