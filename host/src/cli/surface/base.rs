@@ -5,23 +5,25 @@ use std::time::Instant;
 
 use wavelift_host::mesh::{FeatureAngles, Features, Report};
 use wavelift_host::pipeline::target;
-use wavelift_host::simplify::{Constraints, base_mesh};
+use wavelift_host::simplify::{Constraints, OctreeOptions, base_mesh, octree_mesh};
 use wavelift_host::volume::Fault;
 
-use super::file::{bad, read_field, read_mesh, refuse_other_than_mesh, write_mesh};
+use super::file::{bad, is_mesh, read_field, read_mesh, refuse_other_than_mesh, write_mesh};
 use crate::cli::exit::Failure;
 use crate::cli::input::{RawArgs, refuse_same_file};
 use crate::cli::output::print;
 
-/// Make a base mesh: few polygons with the topology of a mesh
+/// Make a base mesh: few polygons with the topology of a mesh, or with a simpler one
 ///
-/// Edges collapse, then edges between faces that are flat enough go: faces of 3 to 5 sides are left.
+/// Of a mesh, edges collapse, then edges between faces that are flat enough go: faces of 3 to 5 sides are left. Of a volume
+/// of distances, an octree is made, and its leaves are wrapped: narrow gaps and holes close.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Example:
-  wavelift surface base engine.ply base.ply --share 0.02 --border engine.nrrd")]
+Examples:
+  wavelift surface base engine.ply base.ply --share 0.02 --border engine.nrrd
+  wavelift surface base distance.nrrd base.ply --deviation 0.2")]
 pub(crate) struct Args {
-    /// Mesh of triangles
+    /// Mesh of triangles, or volume of signed distances
     input: PathBuf,
     /// Mesh to write; .ply, .obj and .off keep polygons
     output: PathBuf,
@@ -34,6 +36,9 @@ pub(crate) struct Args {
     /// Volume in whose border the boundary lies: it stays there
     #[arg(long, value_name = "VOLUME")]
     border: Option<PathBuf>,
+    /// Octree: mean deviation from trilinear above which a cell is split, in widths of the cell
+    #[arg(long, value_name = "D", default_value_t = 0.2)]
+    deviation: f64,
     #[command(flatten)]
     raw: RawArgs,
 }
@@ -45,6 +50,23 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
     refuse_other_than_mesh(&args.output)?;
+    if is_mesh(&args.input) { of_mesh(args) } else { of_distance(args) }
+}
+
+fn of_distance(args: &Args) -> Result<(), Failure> {
+    let distance = read_field(&args.input, &args.raw)?;
+    let start = Instant::now();
+    let options = OctreeOptions { deviation: args.deviation, ..OctreeOptions::default() };
+    let base = octree_mesh(&distance, &options);
+    if base.faces().is_empty() {
+        return Err(bad(&args.input, "no surface: the distances have one sign"));
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    write_mesh(&base, &args.output)?;
+    print(&format!("{} in {seconds:.2} s\n", Report::of(&base)))
+}
+
+fn of_mesh(args: &Args) -> Result<(), Failure> {
     let mut mesh = read_mesh(&args.input)?;
     let mut constraints = Constraints::default();
     if let Some(volume) = &args.border {

@@ -21,7 +21,7 @@ use crate::cli::output::{print, tell};
 const FINE: f64 = 0.02;
 
 /// Samples by which the surface is compared with the contour.
-const SAMPLES: usize = 400_000;
+const SAMPLES: usize = 100_000;
 
 /// Build a compressed surface from an isosurface of a volume, or from a mesh
 ///

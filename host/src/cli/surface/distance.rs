@@ -47,7 +47,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
     let mut options = Options::default();
     if let Some(limit) = args.limit {
-        if !(limit > 0.0) {
+        if limit.is_nan() || limit <= 0.0 {
             return Err(Failure::new(Fault::Usage, "--limit is a distance above 0"));
         }
         options.limit = limit;

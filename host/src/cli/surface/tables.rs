@@ -1,11 +1,14 @@
 //! `wavelift surface tables`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use wavelift_host::measure::SurfaceDistance;
+use wavelift_host::mesh::{Point, PolygonMesh};
+use wavelift_host::picture::{Camera, Picture};
 use wavelift_host::subdivision::{Hierarchy, SubdivisionSurface};
 use wavelift_host::surface_wavelet::{Basis, Norms, forward, inverse, keep_largest};
+use wavelift_host::volume::Fault;
 
 use super::file::read_surface;
 use crate::cli::exit::Failure;
@@ -21,7 +24,7 @@ const TABLE_1: [(f64, f64); 4] = [(20.0, 7.6), (10.0, 20.5), (5.0, 41.7), (1.6, 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Example:
-  wavelift surface tables engine.wsurf --cell 1")]
+  wavelift surface tables engine.wsurf --cell 1 --pictures pictures")]
 pub(crate) struct Args {
     /// Surface: .wsurf
     input: PathBuf,
@@ -31,6 +34,9 @@ pub(crate) struct Args {
     /// Samples on each surface, about
     #[arg(long, value_name = "N", default_value_t = 400_000)]
     samples: usize,
+    /// Draws the base mesh, each of the surfaces, and all of it into this folder
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
     /// Write one JSON document instead of text
     #[arg(long)]
     json: bool,
@@ -56,25 +62,42 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     forward(Basis::Bicubic, &hierarchy, &mut coefficients);
     let norms = Norms::new(Basis::Bicubic, hierarchy.steps().len());
     let exact = surface.level(surface.levels).triangulated();
-    let rows = TABLE_1.map(|(share, text)| {
+    if let Some(folder) = &args.pictures {
+        std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
+        draw(&folder.join("base.png"), &surface.level(0))?;
+        draw(&folder.join("all.png"), &surface.level(surface.levels))?;
+    }
+    let mut rows = Vec::new();
+    for (share, text) in TABLE_1 {
         let mut kept = coefficients.clone();
         let wanted = (share / 100.0 * kept.len() as f64) as usize;
         let left = keep_largest(&norms, &hierarchy, &mut kept, wanted);
         inverse(Basis::Bicubic, &hierarchy, &mut kept);
         let squares: f64 = kept.iter().zip(&surface.positions).map(|(a, b)| a.distance_squared(*b)).sum();
-        let rough = SubdivisionSurface { positions: kept, ..surface.clone() };
-        let rough = rough.level(surface.levels).triangulated();
-        let distance = SurfaceDistance::between(&exact, &rough, args.samples);
+        let rough = SubdivisionSurface { positions: kept, ..surface.clone() }.level(surface.levels);
+        if let Some(folder) = &args.pictures {
+            draw(&folder.join(format!("{share}.png")), &rough)?;
+        }
+        let distance = SurfaceDistance::between(&exact, &rough.triangulated(), args.samples);
         let percent = 100.0 / args.cell;
-        Row {
+        rows.push(Row {
             share,
             text,
             coefficients: left,
             vertices: percent * (squares / surface.positions.len() as f64).sqrt(),
             surface: percent * distance.map_or(0.0, |distance| distance.rms(1.0)),
-        }
-    });
+        });
+    }
     if args.json { print_json(&document(&surface, &rows)) } else { print(&text(&surface, &rows)) }
+}
+
+/// Pixels along each side of a picture.
+const SIDE: u32 = 480;
+
+fn draw(path: &Path, mesh: &PolygonMesh) -> Result<(), Failure> {
+    let camera = Camera { towards: Point::new(0.5, -1.0, 0.45), up: Point::Z, ..Camera::default() };
+    let image = Picture { size: [SIDE; 2], camera, ..Picture::default() }.draw(mesh, None);
+    image.write_png(path).map_err(|error| Failure::new(Fault::Io, error))
 }
 
 fn document(surface: &SubdivisionSurface, rows: &[Row]) -> serde_json::Value {
