@@ -48,7 +48,7 @@ fn a_surface_is_built_in_one_go() {
         assert!(rms < before, "{rms} of 1/{part} after {before}");
         before = rms;
     }
-    assert_eq!(before, 0.0);
+    assert!(before < 1e-12, "{before}");
     let tables = folder.run("surface tables balls.wsurf --json --pictures pictures --samples 5000").json();
     let errors: Vec<f64> = tables["rows"]
         .as_array()
