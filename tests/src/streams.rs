@@ -1,7 +1,7 @@
 //! Calls of the kernel's streams of rows: with input and output in pieces, in memory with guards around it.
 
-use wavelift_kernel::stream::{RowDecoder, RowEncoder, RowPlan, Status};
-use wavelift_kernel::{Codec, DecodeError};
+use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowPlan, Status};
+use wavelift_kernel::DecodeError;
 
 use crate::lent::Lent;
 use crate::oracle::noise::Noise;
@@ -37,7 +37,7 @@ const ROOM: usize = 1 << 12;
 /// If the encoder says what it must not, or writes outside of what was lent.
 pub fn encode(plan: &RowPlan, samples: &[i32], mut pieces: Pieces) -> Vec<u8> {
     let mut memory = Lent::stale(plan.encoder_memory_len());
-    let mut codec = Box::new(Codec::NEW);
+    let mut codec = Box::new(RowCodec::NEW);
     let mut encoder = RowEncoder::new(plan, &mut codec, memory.lend()).expect("memory for it");
     let (mut rest, mut stream, mut finished) = (samples, Vec::new(), false);
     loop {
@@ -75,7 +75,7 @@ pub fn decode(stream: &[u8], most: usize, mut pieces: Pieces) -> (Vec<i32>, Resu
         Err(error) => return (Vec::new(), Err(error)),
     };
     let mut memory = Lent::stale(plan.decoder_memory_len());
-    let mut codec = Box::new(Codec::NEW);
+    let mut codec = Box::new(RowCodec::NEW);
     let mut decoder = RowDecoder::new(&plan, &mut codec, memory.lend()).expect("memory for it");
     let (mut rest, mut samples) = (&stream[header..], Vec::new());
     let end = loop {

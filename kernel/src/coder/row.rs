@@ -41,6 +41,12 @@ pub(crate) struct Cursor {
 }
 
 impl Cursor {
+    /// Whether no coefficient of the row is coded yet.
+    #[cfg(test)]
+    pub(crate) const fn is_first(&self) -> bool {
+        self.x == 0
+    }
+
     /// Codes coefficients for as long as `go_on` says so; whether the row is done.
     pub(crate) fn code<C: Coder>(
         &mut self,

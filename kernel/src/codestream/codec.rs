@@ -53,12 +53,6 @@ impl Codec {
     /// A codec that can be the value of a `static`.
     pub const NEW: Self = Self { models: Models::NEW };
 
-    /// The models, as they are.
-    #[cfg(feature = "stream")]
-    pub(crate) const fn models(&mut self) -> &mut Models {
-        &mut self.models
-    }
-
     /// Makes `self` equal to [`Codec::NEW`].
     pub fn reset(&mut self) {
         self.models.reset();

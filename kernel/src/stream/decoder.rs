@@ -5,18 +5,18 @@ use super::chunks::ChunkReader;
 use super::inverse::Inverse;
 use super::plan::{Layout, Role, RowPlan};
 use super::schedule::{Event, Pair, Schedule};
-use super::{MORE, Status, Step};
-use crate::coder::{Coder, Cursor, Decoder, MOST_BYTES, Models, Row, Suspended, WINDOW};
+use super::{MORE, RowCodec, Status, Step};
+use crate::coder::{Coder, Cursor, Decoder, MOST_BYTES, Row, Suspended, WINDOW};
 use crate::error::at_least;
 use crate::memory::copy;
-use crate::{Codec, DecodeError, LengthError, Malformed, Slice};
+use crate::{DecodeError, LengthError, Malformed, Slice};
 
 /// Makes rows of a stream whose bytes arrive one after another.
 #[derive(Debug)]
 pub struct RowDecoder<'a> {
     plan: RowPlan,
     layout: Layout,
-    models: &'a mut Models,
+    codec: &'a mut RowCodec,
     memory: &'a mut [i32],
     schedule: Schedule,
     inverse: Inverse,
@@ -58,7 +58,7 @@ impl<'a> RowDecoder<'a> {
     ///
     /// # Errors
     /// [`LengthError`] if `memory` is too short; nothing has changed then.
-    pub fn new(plan: &RowPlan, codec: &'a mut Codec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
+    pub fn new(plan: &RowPlan, codec: &'a mut RowCodec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
         let layout = plan.layout(Role::Decoder);
         at_least(Slice::Scratch, layout.total, memory.len())?;
         memory.fill(0);
@@ -66,7 +66,7 @@ impl<'a> RowDecoder<'a> {
         Ok(Self {
             plan: *plan,
             layout,
-            models: codec.models(),
+            codec,
             memory,
             schedule: Schedule::new(plan),
             inverse: Inverse::new(plan),
@@ -202,7 +202,8 @@ impl<'a> RowDecoder<'a> {
         let is_whole = self.reader.is_whole();
         let mut decoder = Decoder::resume(self.coder, self.reader.waiting());
         let has_enough = |decoder: &Decoder<'_>| is_whole || decoder.left() >= MOST_BYTES;
-        let is_done = cursor.code(&mut decoder, self.models, &row, self.memory, has_enough);
+        let models = self.codec.models(orientation);
+        let is_done = cursor.code(&mut decoder, models, &row, self.memory, has_enough);
         self.put_back(decoder.suspend());
         if !is_done {
             return Phase::Code(pair, orientation, cursor);

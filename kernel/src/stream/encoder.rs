@@ -5,19 +5,19 @@ use super::chunks::ChunkWriter;
 use super::header::Bytes;
 use super::plan::{Layout, Role, RowPlan};
 use super::schedule::{Event, Pair, Schedule};
-use super::{MORE, RowError, Status, Step};
-use crate::coder::{Coder, Cursor, Interval, Models, Row};
+use super::{MORE, RowCodec, RowError, Status, Step};
+use crate::coder::{Coder, Cursor, Interval, Row};
 use crate::error::at_least;
 use crate::lifting::Direction;
 use crate::memory::copy;
-use crate::{Codec, LengthError, Slice};
+use crate::{LengthError, Slice};
 
 /// Makes a stream of rows that arrive one after another.
 #[derive(Debug)]
 pub struct RowEncoder<'a> {
     plan: RowPlan,
     layout: Layout,
-    models: &'a mut Models,
+    codec: &'a mut RowCodec,
     memory: &'a mut [i32],
     schedule: Schedule,
     coder: Interval<ChunkWriter>,
@@ -56,7 +56,7 @@ impl<'a> RowEncoder<'a> {
     ///
     /// # Errors
     /// [`LengthError`] if `memory` is too short; nothing has changed then.
-    pub fn new(plan: &RowPlan, codec: &'a mut Codec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
+    pub fn new(plan: &RowPlan, codec: &'a mut RowCodec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
         let layout = plan.layout(Role::Encoder);
         at_least(Slice::Scratch, layout.total, memory.len())?;
         memory.fill(0);
@@ -64,7 +64,7 @@ impl<'a> RowEncoder<'a> {
         Ok(Self {
             plan: *plan,
             layout,
-            models: codec.models(),
+            codec,
             memory,
             schedule: Schedule::new(plan),
             coder: Interval::over(ChunkWriter::new()),
@@ -221,7 +221,8 @@ impl<'a> RowEncoder<'a> {
     fn code(&mut self, pair: Option<Pair>, orientation: u8, mut cursor: Cursor) -> Phase {
         let row = self.row(pair, orientation);
         let has_room = |coder: &Interval<ChunkWriter>| coder.peek().has_room();
-        if !cursor.code(&mut self.coder, self.models, &row, self.memory, has_room) {
+        let models = self.codec.models(orientation);
+        if !cursor.code(&mut self.coder, models, &row, self.memory, has_room) {
             return Phase::Code(pair, orientation, cursor);
         }
         let Some(pair) = pair.filter(|_| orientation > 0) else {
@@ -259,3 +260,6 @@ impl<'a> RowEncoder<'a> {
         Row { values, width, above, north: Some(north), is_first: !self.has_low, ..Row::default() }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,7 @@
 
 mod bands;
 mod chunks;
+mod codec;
 mod decoder;
 mod encoder;
 mod error;
@@ -16,6 +17,7 @@ mod inverse;
 mod plan;
 mod schedule;
 
+pub use codec::RowCodec;
 pub use decoder::RowDecoder;
 pub use encoder::RowEncoder;
 pub use error::RowError;
