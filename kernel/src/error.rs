@@ -33,6 +33,8 @@ pub enum Slice {
     Low,
     /// Wavelet coefficients of a line.
     High,
+    /// Bytes of a codestream.
+    Bytes,
     /// Vertices of a mesh that a lift updates from all others: v in an s-lift, f in a w-lift.
     Corners,
     /// Vertices of a mesh in the middle of edges: e.
@@ -120,6 +122,8 @@ pub enum Malformed {
     Segment,
     /// A decoded sample lies outside the declared type.
     Sample,
+    /// A slab is longer than its samples need, is not one codestream, or is none of what the stream says it is made of.
+    Slab,
 }
 
 /// Why a generalized lift of a line ([`lifting::generalized`](crate::lifting::generalized)) or of a mesh
@@ -204,6 +208,7 @@ impl fmt::Display for Slice {
             Self::Scratch => "scratch",
             Self::Low => "scaling coefficients",
             Self::High => "wavelet coefficients",
+            Self::Bytes => "bytes",
             Self::Corners => "corners",
             Self::Edges => "edges",
             Self::Centres => "centres",
@@ -274,6 +279,7 @@ impl fmt::Display for Malformed {
             Self::StoredLength => "malformed codestream: stored samples of the wrong length",
             Self::Segment => "malformed codestream: segment not as an encoder ends it",
             Self::Sample => "malformed codestream: sample outside its type",
+            Self::Slab => "malformed stream: slab not as the header says",
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Calls of the kernel's streams of rows: with input and output in pieces, in memory with guards around it.
 
-use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowPlan, Status};
 use wavelift_kernel::DecodeError;
+use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowPlan, Status};
 
 use crate::lent::Lent;
 use crate::oracle::noise::Noise;

@@ -4,6 +4,7 @@ use super::fronts::Change;
 use super::plan::{Role, RowPlan};
 use crate::Wavelet;
 use crate::coder::Row;
+use crate::extent::to_usize;
 use crate::lifting::Direction;
 use crate::memory::copy;
 use crate::transform::Plan;
@@ -58,9 +59,15 @@ impl Place {
         self.start.saturating_add(self.rows.saturating_mul(self.width))
     }
 
-    /// Where the details of the pair begin that waits `number`-th, counted from the first that ever did.
-    pub(super) fn waiting(&self, number: usize) -> Pieces {
-        let slot = number.checked_rem(self.held).unwrap_or(0).saturating_add(1);
+    /// The place of the pair that waits after the one in `place`.
+    pub(super) fn next_waiting(&self, place: u32) -> u32 {
+        let next = place.wrapping_add(1);
+        if to_usize(next) < self.held { next } else { 0 }
+    }
+
+    /// Where the details of the pair begin that waits in `place`; places beyond the last begin again.
+    pub(super) fn waiting(&self, place: u32) -> Pieces {
+        let slot = to_usize(place).checked_rem(self.held).unwrap_or(0).saturating_add(1);
         let start = self.above().saturating_add(slot.saturating_mul(self.details()));
         let second = start.saturating_add(self.high());
         Pieces([start, second, second.saturating_add(self.low())])

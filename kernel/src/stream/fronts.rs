@@ -257,3 +257,85 @@ impl Fronts {
         self.ended && self.received % 2 == 1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The most rows between the oldest that a step, or the one who takes them, still needs and the newest.
+    fn span(wavelet: Wavelet, direction: Direction) -> i16 {
+        let passes = Passes::new(wavelet, direction);
+        let (mut fronts, mut widest) = (Fronts::new(passes), 0);
+        for _ in 0..60 {
+            let newest = match direction {
+                Direction::Forward => fronts.receive(),
+                Direction::Inverse => {
+                    fronts.receive();
+                    fronts.receive()
+                }
+            };
+            while let Some(Change { row, beside, .. }) = fronts.advance(passes) {
+                let oldest = beside.into_iter().flatten().chain([row]).min().unwrap();
+                widest = widest.max(newest - oldest + 1);
+            }
+            match direction {
+                Direction::Forward => {
+                    while let Some((c, _)) = fronts.take_pair(passes) {
+                        widest = widest.max(newest - c + 1);
+                    }
+                }
+                Direction::Inverse => {
+                    while let Some(row) = fronts.take(passes) {
+                        widest = widest.max(newest - row + 1);
+                    }
+                }
+            }
+        }
+        widest
+    }
+
+    #[test]
+    fn rows_worked_on_at_a_time() {
+        for wavelet in Wavelet::ALL {
+            let spans = [Direction::Forward, Direction::Inverse].map(|direction| span(wavelet, direction));
+            let rows =
+                [forward_rows(wavelet), inverse_rows(wavelet)].map(|rows| i16::try_from(rows).unwrap());
+            assert_eq!(spans, rows, "{wavelet}");
+        }
+    }
+
+    #[test]
+    fn counts_are_brought_down_in_step() {
+        let passes = Passes::new(Wavelet::Cubic, Direction::Forward);
+        let mut fronts = Fronts::new(passes);
+        let mut pairs = 0;
+        for _ in 0..10_000 {
+            assert!(fronts.receive() < 2 * TURN + 10);
+            while fronts.advance(passes).is_some() {}
+            pairs += usize::from(fronts.take_pair(passes).is_some());
+        }
+        // Two rows wait for the one that the last step of the first looks at.
+        assert_eq!(pairs, 4_999);
+    }
+
+    #[test]
+    fn the_quadratic_line_of_three() {
+        let passes = Passes::new(Wavelet::Quadratic, Direction::Forward);
+        let mut fronts = Fronts::new(passes);
+        let changes = |fronts: &mut Fronts| {
+            let changes = core::iter::from_fn(|| fronts.advance(passes));
+            changes.map(|change| (change.step, change.row)).collect::<heapless::Vec<_, 4>>()
+        };
+        fronts.receive();
+        assert_eq!(changes(&mut fronts), []);
+        fronts.receive();
+        assert_eq!(changes(&mut fronts), [(0, 0)]);
+        fronts.receive();
+        assert_eq!(changes(&mut fronts), [(0, 2), (1, 1), (2, 0)]);
+        fronts.end();
+        assert_eq!(changes(&mut fronts), [(2, 2)]);
+        assert_eq!(fronts.take_pair(passes), Some((0, Some(1))));
+        assert_eq!(fronts.take_pair(passes), Some((2, None)));
+        assert!(fronts.is_exhausted() && fronts.is_odd());
+    }
+}

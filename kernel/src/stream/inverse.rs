@@ -19,9 +19,9 @@ pub(super) struct Inverse {
 #[derive(Clone, Copy, Debug)]
 struct Level {
     fronts: Fronts,
-    /// The number of the pair that waits first, and how many do.
-    first: usize,
-    waiting: usize,
+    /// The place of the pair that waits first, and how many do.
+    first: u32,
+    waiting: u32,
 }
 
 impl Inverse {
@@ -43,8 +43,14 @@ impl Inverse {
         }
     }
 
-    /// The number of the next pair that will wait on a level.
-    pub(super) fn next_waiting(&self, level: u8) -> usize {
+    /// Pairs that wait on a level.
+    #[cfg(test)]
+    pub(super) fn waiting(&self, level: u8) -> usize {
+        crate::extent::to_usize(self.levels[usize::from(level)].waiting)
+    }
+
+    /// The place of the next pair that will wait on a level, counted on beyond the last.
+    pub(super) fn next_waiting(&self, level: u8) -> u32 {
         let level = self.levels.get(usize::from(level));
         level.map_or(0, |level| level.first.wrapping_add(level.waiting))
     }
@@ -123,7 +129,7 @@ impl Inverse {
         let c = fronts.receive();
         let d = if is_single { None } else { Some(fronts.receive()) };
         place.assemble(low_pass, place.waiting(*first), (c, d), memory);
-        (*first, *waiting) = (first.wrapping_add(1), waiting.saturating_sub(1));
+        (*first, *waiting) = (place.next_waiting(*first), waiting.saturating_sub(1));
         if level.wrapping_add(1) < plan.levels() {
             let row = (place.row(c), place.low());
             lift_row(plan, Direction::Inverse, plan.layout(Role::Decoder).scratch, row, memory);

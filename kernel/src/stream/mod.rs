@@ -16,12 +16,14 @@ mod header;
 mod inverse;
 mod plan;
 mod schedule;
+mod slabs;
 
 pub use codec::RowCodec;
 pub use decoder::RowDecoder;
 pub use encoder::RowEncoder;
 pub use error::RowError;
 pub use plan::RowPlan;
+pub use slabs::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan};
 
 /// The chance that another row follows, in 1/65536.
 const MORE: u32 = 0xFFFF;

@@ -9,6 +9,7 @@ mod distribution;
 mod first;
 mod header;
 mod predict;
+pub mod rows;
 mod scan;
 mod value;
 
