@@ -243,3 +243,90 @@ impl ChunkReader {
         (self.is_last, self.last) = (false, 1);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extent::to_usize;
+
+    type Bytes = heapless::Vec<u8, 8192>;
+
+    /// Numbers below `below`, repeatable.
+    fn random(seed: &mut u32, below: u32) -> u32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) % below
+    }
+
+    /// Writes what coders of coefficients may, also runs that no room holds; returns the codeword and its chunks.
+    fn codeword(seed: &mut u32, piece: usize) -> (Bytes, Bytes) {
+        let (mut writer, mut expected, mut chunks) = (ChunkWriter::new(), Bytes::new(), Bytes::new());
+        let drain = |writer: &mut ChunkWriter, chunks: &mut Bytes| {
+            while writer.is_ready() {
+                let mut out = [0; 300];
+                let given = writer.drain(&mut out[..piece]);
+                chunks.extend_from_slice(&out[..given]).unwrap();
+            }
+        };
+        for _ in 0..random(seed, 200) {
+            drain(&mut writer, &mut chunks);
+            assert!(writer.has_room());
+            let run = [0, 1, 20, 700][to_usize(random(seed, 4))];
+            let (zeros, ones) = (to_usize(random(seed, run + 1)), to_usize(random(seed, run + 1)));
+            writer.repeat(0, zeros);
+            writer.repeat(0xFF, ones);
+            expected.extend(core::iter::repeat_n(0, zeros));
+            expected.extend(core::iter::repeat_n(0xFF, ones));
+            for _ in 0..random(seed, 3) {
+                writer.repeat(0, 1);
+                writer.repeat(0xFF, 1);
+                writer.write(7);
+                expected.extend_from_slice(&[0, 0xFF, 7]).unwrap();
+                if random(seed, 3) == 0 {
+                    writer.carry();
+                    *expected.last_mut().unwrap() += 1;
+                }
+            }
+            if expected.len() > 6000 {
+                break;
+            }
+        }
+        drain(&mut writer, &mut chunks);
+        writer.end();
+        drain(&mut writer, &mut chunks);
+        (expected, chunks)
+    }
+
+    #[test]
+    fn runs_of_any_length_leave_in_order() {
+        let mut seed = 1;
+        for round in 0..300 {
+            let (expected, chunks) = codeword(&mut seed, [1, 7, 300][round % 3]);
+            let (mut reader, mut found, mut rest) = (ChunkReader::new(), Bytes::new(), &chunks[..]);
+            while !reader.is_whole() {
+                let taken = reader.fill(&rest[..rest.len().min(1 + round % 50)]);
+                rest = &rest[taken..];
+                found.extend_from_slice(reader.waiting()).unwrap();
+                reader.take(usize::MAX);
+            }
+            assert!(rest.is_empty() && found == expected, "round {round}");
+            assert_eq!(reader.ends_well(), expected.last() != Some(&0));
+        }
+    }
+
+    #[test]
+    fn chunks_by_hand() {
+        let chunks_of = |count: usize| {
+            let mut writer = ChunkWriter::new();
+            (0..count).for_each(|_| writer.write(9));
+            writer.end();
+            let mut out = [0; 300];
+            let given = writer.drain(&mut out);
+            (out, given)
+        };
+        let (out, given) = chunks_of(2);
+        assert_eq!(out[..given], [2, 9, 9]);
+        assert_eq!(chunks_of(0).1, 1);
+        let (out, given) = chunks_of(255);
+        assert_eq!((given, out[0], out[1], out[255], out[256]), (257, 255, 9, 9, 0));
+    }
+}
