@@ -5,7 +5,9 @@ use conformance::corrupt::Damage;
 use conformance::inputs::Input;
 use conformance::oracle::coder::rows;
 use conformance::oracle::noise::Noise;
+use conformance::slabs;
 use conformance::streams::{Pieces, decode, encode};
+use conformance::vectors::{Expect, Manifest, Recipe, crc32};
 use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowError, RowPlan, Status};
 use wavelift_kernel::{DecodeError, Extent, LengthError, Malformed, PlanError, SampleType, Slice, Wavelet};
 
@@ -228,4 +230,33 @@ fn memory_is_as_it_is_told() {
         Wavelet::ALL
             .map(|wavelet| [1, 2, 3, 4].map(|levels| bytes(wavelet, 1024, levels)[1] as f64 / 1024.0))
     );
+}
+
+#[test]
+fn golden_streams() {
+    let manifest = Manifest::read().expect("the manifest");
+    let mut streams = 0;
+    for vector in manifest.vectors.iter().filter(|vector| vector.file.starts_with("streams/")) {
+        let (id, bytes) = (&vector.id, vector.read().expect("its file"));
+        let samples = manifest.samples(vector).expect("a recipe");
+        assert_eq!(Expect::Crc32(crc32(&samples)), vector.expect, "{id}");
+        let (_, recipe) = vector.recipe().expect("a recipe");
+        assert!(recipe.encode(&samples).as_ref() == Ok(&bytes), "{id}: the encoder makes other bytes");
+        let of = |bytes: &[u8], piece| match recipe {
+            Recipe::Slabs(_) => slabs::decode(bytes, piece),
+            _ => decode(bytes, samples.len(), Pieces::Of(piece)),
+        };
+        for piece in [1, 5, 4096] {
+            assert!(of(&bytes, piece) == (samples.clone(), Ok(0)), "{id} in pieces of {piece}");
+        }
+        if let Recipe::Rows(_) = recipe {
+            assert!(rows::decode(&bytes).expect("a stream").0.samples == samples, "{id}: the oracle");
+        }
+        for len in 0..bytes.len() {
+            let (before, end) = of(&bytes[..len], 64);
+            assert!(end == Err(DecodeError::Truncated) && samples.starts_with(&before), "{id} {len}");
+        }
+        streams += 1;
+    }
+    assert!(streams >= 12, "{streams} streams");
 }

@@ -215,7 +215,9 @@ fn golden_vectors_are_those_of_the_oracle() {
     for vector in Manifest::read().expect("the manifest").vectors {
         let bytes = vector.read().expect("its file");
         let header = wavelift_kernel::Header::parse(&bytes);
-        if header.is_ok_and(|header| header.is_dense() || header.slack().is_some()) {
+        if header.is_ok_and(|header| header.is_dense() || header.slack().is_some())
+            || vector.file.starts_with("streams/")
+        {
             continue;
         }
         match both_decode(&bytes, 0) {
