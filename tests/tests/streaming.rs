@@ -2,14 +2,18 @@
 //! pieces do not matter, and damage does no harm.
 
 use conformance::corrupt::Damage;
+use conformance::effort::Effort;
 use conformance::inputs::Input;
+use conformance::lent;
 use conformance::oracle::coder::rows;
 use conformance::oracle::noise::Noise;
 use conformance::slabs;
 use conformance::streams::{Pieces, decode, encode};
 use conformance::vectors::{Expect, Manifest, Recipe, crc32};
 use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowError, RowPlan, Status};
-use wavelift_kernel::{DecodeError, Extent, LengthError, Malformed, PlanError, SampleType, Slice, Wavelet};
+use wavelift_kernel::{
+    Codec, DecodeError, Extent, LengthError, Malformed, Plan, PlanError, SampleType, Slice, Wavelet,
+};
 
 const WIDTHS: [u32; 9] = [1, 2, 3, 4, 5, 8, 9, 17, 33];
 
@@ -230,6 +234,23 @@ fn memory_is_as_it_is_told() {
         Wavelet::ALL
             .map(|wavelet| [1, 2, 3, 4].map(|levels| bytes(wavelet, 1024, levels)[1] as f64 / 1024.0))
     );
+}
+
+/// As the codec makes the whole slice without training, within 3 in 100.
+#[test]
+fn streams_are_nearly_as_short_as_codestreams() {
+    let manifest = Manifest::read().expect("the manifest");
+    let (extent, samples) = manifest.data_samples("rt_slice512").expect("a data file");
+    for (wavelet, levels) in
+        [(Wavelet::Haar, 3), (Wavelet::Linear, 3), (Wavelet::Cubic, 3), (Wavelet::Haar, 0)]
+    {
+        let whole = Plan::new(wavelet, extent, levels).expect("levels that it has");
+        let whole = lent::encode(&mut { Codec::NEW }, Effort::Fast, &whole, SampleType::U8, &samples).len();
+        let plan = RowPlan::new(wavelet, 512, levels, SampleType::U8).expect("a plan of rows");
+        let stream = encode(&plan, &samples, Pieces::Whole).len();
+        println!("{wavelet} {levels}: {stream} bytes, {whole} as a codestream");
+        assert!(100 * stream <= 103 * whole, "{wavelet} {levels}: {stream} bytes, {whole} as a codestream");
+    }
 }
 
 #[test]
