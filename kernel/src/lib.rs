@@ -34,6 +34,7 @@ mod coder;
 pub mod codestream;
 mod error;
 mod extent;
+mod feature;
 #[cfg(feature = "embedded-io")]
 pub mod io;
 pub mod lifting;
@@ -51,6 +52,7 @@ pub use error::{
     AdjacencyError, DecodeError, EncodeError, LengthError, LiftError, Malformed, PlanError, Slice,
 };
 pub use extent::Extent;
+pub use feature::Feature;
 pub use lifting::Wavelet;
 pub use sample::SampleType;
 pub use transform::Plan;

@@ -5,6 +5,7 @@ use super::predictor::Predictor;
 use super::taps::{Planes, Taps};
 use super::train::Training;
 use super::weightless::{Fixed, FixedRow, RowsBefore};
+use crate::Feature;
 use crate::transform::{Plan, Subband};
 
 /// Coefficients that predictors are compared on, about: of larger subbands only every so many rows.
@@ -42,7 +43,8 @@ impl Choosing<'_> {
             least = self.cost(&best)?;
         }
         let samples = self.subband.sides.iter().fold(1, |product: usize, &side| product.wrapping_mul(side));
-        if let Some(training) = training
+        if Feature::Trained.is_built()
+            && let Some(training) = training
             && samples >= WORTH_TRAINING
         {
             let (trained, weights) = self.trained(training);

@@ -50,8 +50,7 @@ impl Coefficients<'_> {
         }
     }
 
-    /// Runs either direction of the coder over one subband, for which an encoder has chosen `predictor`; the coarser
-    /// resolutions are known already, and their inverse transform is done.
+    /// Runs either direction of the coder over one subband under `predictor`; the coarser resolutions are known already, and their inverse transform is done.
     ///
     /// `None` if the codestream says what no encoder does.
     pub(crate) fn code<C: Coder>(
@@ -61,7 +60,6 @@ impl Coefficients<'_> {
         subband: Subband,
         predictor: Predictor,
     ) -> Option<()> {
-        let predictor = predictor.code(coder, models, &self.plan, subband)?;
         let [width, _, _] = subband.sides;
         let (mut history, rest) = History::new(subband.sides, self.scratch)?;
         let (energies, rest) = rest.split_at_mut_checked(width)?;

@@ -6,7 +6,7 @@ use super::stored::{Stored, restore};
 use crate::coder::{Coefficients, Dense, Encoder, Models, Predictor, Training};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
-use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
+use crate::{DecodeError, EncodeError, Extent, Feature, Malformed, Plan, SampleType, Slice};
 
 /// Bytes that always suffice for a codestream of `extent` samples of `sample_type`, whatever their values, wavelet
 /// and levels: the samples as they are and a header. `None` if they are 4 GiB or more, which no segment holds.
@@ -47,6 +47,15 @@ impl Effort<'_> {
     pub const fn scratch_len(&self, plan: &Plan) -> usize {
         if let Self::Dense(..) = self { Dense::scratch_len(plan) } else { plan.scratch_len() }
     }
+
+    /// What it takes that this build has not.
+    const fn missing(&self) -> Option<Feature> {
+        match self {
+            Self::Default(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
+            Self::Dense(..) if !Feature::Dense.is_built() => Some(Feature::Dense),
+            _ => None,
+        }
+    }
 }
 
 impl Codec {
@@ -66,7 +75,8 @@ impl Codec {
     /// # Errors
     /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Effort::scratch_len`]; [`EncodeError::SampleOutOfRange`] if a sample is outside `sample_type`;
-    /// [`EncodeError::OutputFull`] if `out` is too short; `samples` are what they were then.
+    /// [`EncodeError::NotBuilt`] if this build lacks the effort; [`EncodeError::OutputFull`] if `out` is too short;
+    /// `samples` are what they were then.
     #[expect(clippy::too_many_arguments, reason = "what to code, how, and the memory to do it in")]
     pub fn encode(
         &mut self,
@@ -77,6 +87,9 @@ impl Codec {
         scratch: &mut [i32],
         out: &mut [u8],
     ) -> Result<usize, EncodeError> {
+        if let Some(part) = effort.missing() {
+            return Err(EncodeError::NotBuilt(part));
+        }
         exactly(Slice::Samples, plan.extent().samples(), samples.len())?;
         at_least(Slice::Scratch, effort.scratch_len(plan), scratch.len())?;
         if let Some(index) = sample_type.first_outside(samples) {
@@ -106,7 +119,8 @@ impl Codec {
         out: &mut [u8],
     ) -> Result<usize, Full> {
         let plan = coefficients.plan;
-        if let Effort::Dense(dense, _) = &mut effort
+        if Feature::Dense.is_built()
+            && let Effort::Dense(dense, _) = &mut effort
             && plan.levels() == 0
             && Dense::suits(coefficients.samples)
         {
@@ -140,6 +154,7 @@ impl Codec {
                 Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
             };
             let predictor = coefficients.best_predictor(subband, training)?;
+            let predictor = predictor.code(encoder, &mut self.models, &coefficients.plan, subband).ok()?;
             coefficients.code(encoder, &mut self.models, subband, predictor)?;
         }
         Some(())
@@ -150,7 +165,7 @@ impl Codec {
     /// # Errors
     /// [`DecodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Header::scratch_len`]; [`DecodeError::NeedsDense`] for what [`Effort::Dense`] encoded, which
-    /// [`Codec::decode_dense`] decodes; otherwise what is wrong with `bytes`. After an error `samples`
+    /// [`Codec::decode_dense`] decodes; [`DecodeError::NotBuilt`] for what this build lacks; otherwise what is wrong with `bytes`. After an error `samples`
     /// and `scratch` are meaningless.
     pub fn decode(
         &mut self,
@@ -215,9 +230,12 @@ impl Codec {
             return Err(DecodeError::LevelOutOfRange { max: plan.levels() });
         }
         let payload = header.payload(bytes, level, samples, (header.scratch_len(), scratch))?;
-        if let Some(dense) = dense {
+        if Feature::Dense.is_built()
+            && let Some(dense) = dense
+        {
             header.each_segment(payload, 1, |_, decoder| {
-                dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch)
+                let coded = dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch);
+                Ok(coded.ok_or(Malformed::Segment)?)
             })?;
         } else if header.is_stored() {
             restore(header.sample_type(), payload, samples);
@@ -247,10 +265,12 @@ impl Codec {
         self.models.reset();
         header.each_segment(payload, target.plan.levels().saturating_add(1), |resolution, decoder| {
             for subband in target.plan.subbands(resolution) {
-                target.code(decoder, &mut self.models, subband, Predictor::Zero)?;
+                let predictor = Predictor::Zero.code(decoder, &mut self.models, &target.plan, subband)?;
+                let coded = target.code(decoder, &mut self.models, subband, predictor);
+                coded.ok_or(Malformed::Segment)?;
             }
             target.undo_resolution(resolution);
-            Some(())
+            Ok(())
         })
     }
 }

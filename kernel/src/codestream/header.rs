@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::coder::{LARGEST_SLACK, SHRINKING};
 use crate::extent::to_usize;
 use crate::memory::copy;
-use crate::{DecodeError, Dense, Extent, Lattice, Malformed, Plan, SampleType, Wavelet};
+use crate::{DecodeError, Dense, Extent, Feature, Lattice, Malformed, Plan, PlanError, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
 pub(crate) const VERSION: u8 = 2;
@@ -56,7 +56,8 @@ impl Header {
     /// Reads and checks the header at the beginning of `bytes`; what follows it is not looked at.
     ///
     /// # Errors
-    /// [`DecodeError::Truncated`] if `bytes` ends first; otherwise what is wrong with the header.
+    /// [`DecodeError::Truncated`] if `bytes` ends first; [`DecodeError::NotBuilt`] if this build lacks what the header
+    /// names; otherwise what is wrong with the header.
     pub fn parse(bytes: &[u8]) -> Result<Self, DecodeError> {
         let mut fields = Fields { bytes, taken: 0 };
         for expected in MAGIC {
@@ -204,7 +205,9 @@ impl Fields<'_> {
         match self.byte()? {
             STORED => Ok(Storage::Stored),
             CODED => Ok(Storage::Coded),
+            DENSE if !Feature::Dense.is_built() => Err(DecodeError::NotBuilt(Feature::Dense)),
             DENSE => Ok(Storage::Dense),
+            LATTICE if !Feature::Lattice.is_built() => Err(DecodeError::NotBuilt(Feature::Lattice)),
             LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
             _ => Err(Malformed::Reserved.into()),
         }
@@ -239,7 +242,13 @@ impl Fields<'_> {
         if (levels > 0 && !is_lattice) != wavelet.is_some() {
             return Err(Malformed::Levels.into());
         }
-        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|_| Malformed::Levels.into())
+        if is_lattice {
+            return Plan::without_wavelet(extent, levels).ok_or(Malformed::Levels.into());
+        }
+        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|error| match error {
+            PlanError::NotBuilt(part) => DecodeError::NotBuilt(part),
+            _ => Malformed::Levels.into(),
+        })
     }
 }
 

@@ -69,18 +69,17 @@ impl Header {
         Ok(bytes.get(self.header_len()..).unwrap_or(&[]))
     }
 
-    /// Calls `decode` with the number and a decoder of each of the first `count` segments of `payload`, which returns
-    /// `None` for what no encoder writes.
+    /// Calls `decode` with the number and a decoder of each of the first `count` segments of `payload`.
     pub(super) fn each_segment(
         &self,
         mut payload: &[u8],
         count: u8,
-        mut decode: impl FnMut(u8, &mut Decoder<'_>) -> Option<()>,
+        mut decode: impl FnMut(u8, &mut Decoder<'_>) -> Result<(), DecodeError>,
     ) -> Result<(), DecodeError> {
         for (number, &bytes) in (0..count).zip(&self.segments) {
             let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
             let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
-            decode(number, &mut decoder).ok_or(Malformed::Segment)?;
+            decode(number, &mut decoder)?;
             if !decoder.is_consumed() {
                 return Err(Malformed::Segment.into());
             }

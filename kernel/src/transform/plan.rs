@@ -3,7 +3,7 @@
 use super::lift::{Direction, Lifter, Part, scratch_len};
 use crate::error::{at_least, exactly};
 use crate::memory::move_within;
-use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
+use crate::{Extent, Feature, LengthError, PlanError, Slice, Wavelet};
 
 /// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only
 /// lent memory of the wrong length can still fail.
@@ -19,15 +19,27 @@ impl Plan {
     /// Plans `levels` levels of `wavelet` over `extent`; 0 levels mean no transform.
     ///
     /// # Errors
-    /// [`PlanError::TooManyLevels`] with the most that the extent allows.
+    /// [`PlanError::TooManyLevels`] with the most that the extent allows, [`PlanError::NotBuilt`] if this build lacks the
+    /// wavelet.
     pub const fn new(wavelet: Wavelet, extent: Extent, levels: u8) -> Result<Self, PlanError> {
         let max = extent.max_levels();
         if levels > max {
             return Err(PlanError::TooManyLevels { max });
         }
+        if levels > 0 && !Feature::Wavelet(wavelet).is_built() {
+            return Err(PlanError::NotBuilt(Feature::Wavelet(wavelet)));
+        }
         // Without levels all wavelets are the same, and so are their plans.
         let wavelet = if levels == 0 { Wavelet::Haar } else { wavelet };
         Ok(Self { wavelet, extent, levels })
+    }
+
+    /// Levels that no wavelet makes, for [`Lattice`](crate::Lattice); `None` if the extent does not allow them.
+    pub(crate) const fn without_wavelet(extent: Extent, levels: u8) -> Option<Self> {
+        if levels > extent.max_levels() {
+            return None;
+        }
+        Some(Self { wavelet: Wavelet::Haar, extent, levels })
     }
 
     /// The wavelet; with 0 levels always psi_H, whatever was asked for.

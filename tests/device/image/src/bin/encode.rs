@@ -1,0 +1,6 @@
+#![no_std]
+#![no_main]
+#[unsafe(no_mangle)]
+pub extern "C" fn _start() {
+image::encode(wavelift_kernel::Wavelet::Linear, wavelift_kernel::Effort::Fast);
+}
