@@ -20,7 +20,7 @@ pub(super) const FRACTIONS: usize = 3;
 const LARGEST: u32 = 1 << 25;
 
 /// The magnitude of `residual`, as it is remembered.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn magnitude(residual: i32) -> i32 {
     residual.unsigned_abs().min(LARGEST).cast_signed()
 }
@@ -34,27 +34,27 @@ pub(super) struct Expected {
 
 impl Expected {
     /// Exactly `value`.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) const fn exactly(value: i32) -> Self {
         Self { value, offset: 0 }
     }
 
     /// `scaled` / 256.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of_scaled(scaled: i32) -> Self {
         let rounded = scaled.wrapping_add(128);
         Self { value: rounded >> 8, offset: (rounded & 0xFF).wrapping_sub(128) }
     }
 
     /// `scaled` / 256, its low 32 bits.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of_wide_scaled(scaled: i64) -> Self {
         let [fraction, a, b, c, d, ..] = scaled.wrapping_add(128).to_le_bytes();
         Self { value: i32::from_le_bytes([a, b, c, d]), offset: i32::from(fraction).wrapping_sub(128) }
     }
 
     /// How far from an integer the prediction fell: below [`FRACTIONS`].
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn fraction(self) -> usize {
         let distance = self.offset.wrapping_abs();
         usize::from(distance >= 32).wrapping_add(usize::from(distance >= 80))
@@ -69,7 +69,7 @@ pub(super) enum Class {
 }
 
 impl Class {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of(energy: i32) -> Self {
         let energy = energy.cast_unsigned();
         if energy < 4 {

@@ -34,14 +34,14 @@ impl<'a> Decoder<'a> {
         self.bytes.len() <= self.taken.wrapping_sub(WINDOW - 1)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn take(&mut self) {
         let byte = self.bytes.get(self.taken).copied().unwrap_or(0);
         self.taken = self.taken.wrapping_add(1);
         self.code = (self.code << 8) | u32::from(byte);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn renormalize(&mut self) {
         while self.range < MIN_RANGE {
             self.take();
@@ -51,7 +51,7 @@ impl<'a> Decoder<'a> {
 }
 
 impl Coder for Decoder<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn symbol(&mut self, _: usize, distribution: &mut Distribution) -> usize {
         let unit = self.range >> TOTAL_BITS;
         // Rounding leaves a little of the interval to no symbol; no encoder points there.
@@ -65,7 +65,7 @@ impl Coder for Decoder<'_> {
         symbol
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn decide(&mut self, _: bool, chance: u32) -> bool {
         let share = share_of_true(self.range, chance);
         let bit = self.code < share;
@@ -79,7 +79,7 @@ impl Coder for Decoder<'_> {
         bit
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn raw(&mut self, _: u32, count: u32) -> u32 {
         let mut bits = 0_u32;
         let mut left = count;

@@ -43,7 +43,7 @@ impl Distribution {
     }
 
     /// The share of `symbol`.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn share(&self, symbol: usize) -> Share {
         let below = |symbol: usize| self.below.get(symbol).copied().map_or(1 << TOTAL_BITS, unsigned);
         let start = below(symbol);
@@ -51,7 +51,7 @@ impl Distribution {
     }
 
     /// The symbol whose share holds `point`, of 0 to 32767.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn find(&self, point: i16) -> usize {
         let [_, second, ..] = self.below;
         // Where little is left to predict nearly every symbol is 0.
@@ -64,7 +64,7 @@ impl Distribution {
     }
 
     /// Learns one symbol.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn learn(&mut self, symbol: usize) {
         let rate = u32::from(self.seen.wrapping_add(HEAD_START)).checked_ilog2().unwrap_or(0).wrapping_add(1);
         let symbol = i16::try_from(symbol).unwrap_or(0);
@@ -79,7 +79,7 @@ impl Distribution {
 }
 
 /// `value`, which is not negative.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 const fn unsigned(value: i16) -> u32 {
     let [a, b] = value.to_le_bytes();
     u32::from_le_bytes([a, b, 0, 0])

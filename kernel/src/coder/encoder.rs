@@ -48,7 +48,7 @@ impl<'a> Encoder<'a> {
         (!self.full).then_some(self.len)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn add(&mut self, offset: u32) {
         let (low, carry) = self.low.overflowing_add(offset);
         self.low = low;
@@ -70,7 +70,7 @@ impl<'a> Encoder<'a> {
         self.zeros = ones;
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn renormalize(&mut self) {
         while self.range < MIN_RANGE {
             let [byte, ..] = self.low.to_be_bytes();
@@ -80,7 +80,7 @@ impl<'a> Encoder<'a> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn shift_out(&mut self, byte: u8) {
         match byte {
             0 => {
@@ -109,7 +109,7 @@ impl<'a> Encoder<'a> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn write(&mut self, byte: u8) {
         match self.out.get_mut(self.len) {
             Some(slot) => {
@@ -122,7 +122,7 @@ impl<'a> Encoder<'a> {
 }
 
 impl Coder for Encoder<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn symbol(&mut self, symbol: usize, distribution: &mut Distribution) -> usize {
         let unit = self.range >> TOTAL_BITS;
         let share = distribution.share(symbol);
@@ -133,7 +133,7 @@ impl Coder for Encoder<'_> {
         symbol
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn decide(&mut self, bit: bool, chance: u32) -> bool {
         let share = share_of_true(self.range, chance);
         if bit {
@@ -146,7 +146,7 @@ impl Coder for Encoder<'_> {
         bit
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn raw(&mut self, bits: u32, count: u32) -> u32 {
         let mut left = count;
         while left > 0 {

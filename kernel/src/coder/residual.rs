@@ -43,7 +43,7 @@ impl Models {
     }
 
     /// Codes one residual.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn code<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -79,21 +79,21 @@ impl Models {
 }
 
 /// 0, 1, 2, 3, 4, … for 0, 1, -1, 2, -2, …
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn rank(value: i32) -> u32 {
     let negated = value.wrapping_neg();
     ((negated << 1) ^ (negated >> 31)).cast_unsigned()
 }
 
 /// The value of that [`rank`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn of_rank(rank: u32) -> i32 {
     let negated = (rank >> 1) ^ (rank & 1).wrapping_neg();
     negated.cast_signed().wrapping_neg()
 }
 
 /// Codes a rank: the first have symbols of their own.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn code_rank<C: Coder>(
     coder: &mut C,
     distribution: &mut Distribution,
@@ -109,7 +109,7 @@ fn code_rank<C: Coder>(
 }
 
 /// Codes a residual as zero, or a step of 2^`step_bits` magnitudes, a place in it, and a sign.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn code_step<C: Coder>(
     coder: &mut C,
     distribution: &mut Distribution,
@@ -149,7 +149,7 @@ fn code_number<C: Coder>(coder: &mut C, exponents: &mut Distribution, number: u3
 }
 
 /// A symbol as a number.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn to_u32(symbol: usize) -> u32 {
     u32::try_from(symbol).unwrap_or(0)
 }

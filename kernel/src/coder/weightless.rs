@@ -41,7 +41,7 @@ struct Corner {
 impl Corner {
     /// Beyond the border stands the nearest sample there is, or else `fallback`. North-west does not matter there:
     /// where it is missing, west equals north.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
         let near_west = west.or(north).unwrap_or(fallback);
         let near_north = north.unwrap_or(near_west);
@@ -81,7 +81,7 @@ struct Before {
 }
 
 impl Before {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn new(rows: &RowsBefore<'_>, x: usize, west: Option<i32>) -> Self {
         let left = x.wrapping_sub(1);
         let get = |row: &[i32], x: usize| row.get(x).copied();
@@ -127,7 +127,7 @@ impl Fixed {
         Self::ALL.into_iter().find(|fixed| fixed.number() == number)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn predict_after(self, Before { here, up }: Before) -> i32 {
         let Some((up, above)) = up else { return here.median() };
         match self {
@@ -159,12 +159,12 @@ impl<'a> FixedRow<'a> {
 }
 
 impl Forecast for FixedRow<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, x: usize) -> Expected {
         Expected::exactly(self.fixed.predict_after(Before::new(&self.before, x, self.west)))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn push(&mut self, coefficient: i32) {
         self.west = Some(coefficient);
     }

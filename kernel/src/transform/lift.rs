@@ -149,7 +149,7 @@ impl Lifter<'_> {
 }
 
 /// Calls `work` with the first `x` samples of each row of `width`, and with its halves.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn each_row(rows: &mut [i32], [x, width]: [usize; 2], halves: &mut Halves<'_>, work: impl Fn(Row<'_>)) {
     for (samples, (low, high)) in rows.chunks_mut(width.max(1)).zip(halves.groups()) {
         let samples = samples.get_mut(..x).unwrap_or_default();

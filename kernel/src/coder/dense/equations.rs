@@ -78,7 +78,7 @@ impl Chunk {
     }
 
     /// Takes one sample more, at most [`CHUNK`] in all: its differences of [`SCALED_BITS`] bits, and its own.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn push(&mut self, differences: &[i16; TAPS], target: i32) {
         const DOWN: u32 = SCALED_BITS - OBSERVED_BITS;
         const HALF: i16 = 1 << (DOWN - 1);
@@ -122,14 +122,14 @@ impl Chunk {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn dot(a: &[i16; CHUNK], b: &[i16; CHUNK]) -> i32 {
     let products = a.iter().zip(b).map(|(&a, &b)| i32::from(a).wrapping_mul(b.into()));
     products.fold(0, i32::wrapping_add)
 }
 
 /// What the weights make of the differences, in 1/2^[`WEIGHT_BITS`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn predict(weights: &Weights, differences: &[i16; TAPS]) -> i32 {
     let products = weights.iter().zip(differences).map(|(&w, &d)| i32::from(w).wrapping_mul(d.into()));
     products.fold(0, i32::wrapping_add)
@@ -161,7 +161,7 @@ impl Sums {
         self.combine(other, |sum, other| sum.wrapping_add((other >> 2).wrapping_mul(quarters)));
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn combine(&mut self, other: &Self, combined: impl Fn(i32, i32) -> i32) {
         for (sum, other) in self.matrix.iter_mut().zip(&other.matrix) {
             *sum = combined(*sum, *other);
@@ -193,7 +193,7 @@ impl Sums {
     }
 
     /// The entries of row `n` left of the diagonal, and that on it with the ridge added.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn row(&self, n: usize) -> Option<(&[i32], i32)> {
         let next = n.wrapping_add(1);
         let start = n.wrapping_mul(next) >> 1;
@@ -220,7 +220,7 @@ impl Factors {
     const ZERO: Self = Self { rows: [[0; UNKNOWNS]; UNKNOWNS + 1], inverses: [0; UNKNOWNS] };
 
     /// Finds row `n` from its entries left of the diagonal, and what the rows above take from the diagonal itself.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn eliminate(&mut self, n: usize, entries: &[i32], scaled: &impl Fn(i32) -> i32) -> Option<i32> {
         let (known, rest) = self.rows.split_at_mut_checked(n)?;
         let row = rest.first_mut()?;
@@ -257,7 +257,7 @@ impl Factors {
 const LARGEST_FACTOR: i64 = (1 << 31) - 1;
 
 /// The sum of the products of parts and factors.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn products(parts: &[i32], factors: &[i32]) -> i32 {
     let products = parts.iter().zip(factors).map(|(&p, &f)| i64::from(p).wrapping_mul(f.into()));
     low_word(products.fold(0, i64::wrapping_add) >> FACTOR_BITS)
