@@ -4,18 +4,20 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use crate::shell::Failures;
-use crate::{doc, fmt, lint, matrix, test, tidy, vectors};
+use crate::{device, doc, fmt, lint, matrix, size, test, tidy, vectors};
 
 /// Name and check.
 type Step = (&'static str, fn() -> Failures);
 
 /// The steps in the order they run: cheap ones first.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 9] = [
     ("tidy", tidy::run),
     ("fmt", || fmt::run(false)),
     ("lint", lint::run),
     ("test", test::run),
     ("matrix", matrix::run),
+    ("size", size::run),
+    ("device", device::run),
     ("doc", doc::run),
     ("vectors", || vectors::run(&[])),
 ];

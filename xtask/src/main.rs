@@ -5,12 +5,16 @@
 //! `conformance` package, started from here.
 
 mod bench;
+mod budget;
 mod ci;
+mod device;
 mod doc;
 mod fmt;
 mod lint;
 mod matrix;
 mod shell;
+mod size;
+mod table;
 mod test;
 mod tidy;
 mod vectors;
@@ -49,6 +53,14 @@ enum Command {
         #[arg(long)]
         list_targets: bool,
     },
+    /// Run firmware in QEMU: golden vectors, files for the host, instructions and stack
+    Device,
+    /// Link parts of the kernel alone and compare their flash with xtask/budgets.toml
+    Size {
+        /// Measure everything on the target, and print it as the table of kernel/README.md
+        #[arg(long)]
+        table: bool,
+    },
     /// rustdoc of every package; warnings are errors
     Doc,
     /// Golden data: check | add ID… | replace ID --because WHY
@@ -75,6 +87,9 @@ fn main() -> ExitCode {
         Command::Test => test::run(),
         Command::Matrix { list_targets: true } => matrix::list_targets(),
         Command::Matrix { list_targets: false } => matrix::run(),
+        Command::Device => device::run(),
+        Command::Size { table: false } => size::run(),
+        Command::Size { table: true } => table::run(),
         Command::Doc => doc::run(),
         Command::Vectors { arguments } => vectors::run(&arguments),
         Command::Bench(options) => bench::run(&options),

@@ -39,6 +39,8 @@ impl Choosing<'_> {
                     (best, least) = (fixed, cost);
                 }
             }
+        } else if training.is_none() {
+            return Some(best);
         } else {
             least = self.cost(&best)?;
         }

@@ -58,6 +58,10 @@ impl Distribution {
         if point < second {
             return 0;
         }
+        if cfg!(feature = "small") {
+            let above = self.below.iter().position(|&below| below > point);
+            return above.unwrap_or(SYMBOLS).wrapping_sub(1);
+        }
         let not_above = self.below.iter().map(|&below| i16::from(below <= point));
         let count: i16 = not_above.fold(0, i16::wrapping_add);
         to_usize(unsigned(count.wrapping_sub(1)))
@@ -67,14 +71,51 @@ impl Distribution {
     #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn learn(&mut self, symbol: usize) {
         let rate = u32::from(self.seen.wrapping_add(HEAD_START)).checked_ilog2().unwrap_or(0).wrapping_add(1);
+        if cfg!(feature = "small") {
+            self.approach_in_pairs(symbol, rate);
+        } else {
+            self.approach(symbol, rate);
+        }
+        self.seen = self.seen.wrapping_add(u8::from(self.seen < SETTLED));
+    }
+
+    /// Goes 1/2^`rate` of the way towards shares of one for all other symbols, and the rest for `symbol`.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn approach(&mut self, symbol: usize, rate: u32) {
         let symbol = i16::try_from(symbol).unwrap_or(0);
-        // Towards shares of one for all others, and the rest for the symbol.
         for (below, lane) in self.below.iter_mut().zip(0_i16..) {
             let above = if lane > symbol { TOTAL - 15 } else { 0 };
             let goal = lane.wrapping_add(above);
             *below = below.wrapping_add(goal.wrapping_sub(*below) >> rate);
         }
-        self.seen = self.seen.wrapping_add(u8::from(self.seen < SETTLED));
+    }
+
+    /// As [`Distribution::approach`], for machines without vectors: two chances to a word.
+    ///
+    /// A difference and 2^15 are neither negative nor above 2^16, so that no half touches the other, and 2^15 goes
+    /// through the shift without a remainder.
+    fn approach_in_pairs(&mut self, symbol: usize, rate: u32) {
+        const BOTH: u32 = 1 << 16 | 1;
+        let symbol = u32::try_from(symbol).unwrap_or(0);
+        let (halves, offset) = ((0xFFFF >> rate) * BOTH, (0x8000 >> rate) * BOTH);
+        let mut lane = 0_u32;
+        for pair in self.below.as_chunks_mut::<2>().0 {
+            let [first, second] = *pair;
+            let below = unsigned(second) << 16 | unsigned(first);
+            let above = if lane > symbol {
+                unsigned(TOTAL - 15).wrapping_mul(BOTH)
+            } else if lane == symbol {
+                unsigned(TOTAL - 15) << 16
+            } else {
+                0
+            };
+            let goal = lane.wrapping_mul(BOTH).wrapping_add(1 << 16).wrapping_add(above);
+            let difference = (goal | 0x8000 * BOTH).wrapping_sub(below);
+            let moved = below.wrapping_add(difference >> rate & halves).wrapping_sub(offset);
+            let [a, b, c, d] = moved.to_le_bytes();
+            *pair = [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])];
+            lane = lane.wrapping_add(2);
+        }
     }
 }
 
@@ -115,6 +156,24 @@ mod tests {
         for point in 0..=i16::MAX {
             let share = distribution.share(distribution.find(point));
             assert!((share.below..share.below + share.size).contains(&unsigned(point)));
+        }
+    }
+
+    #[test]
+    fn pairs_go_the_same_way() {
+        let mut seed = 1_u32;
+        for rate in 1..=SLOWEST {
+            let (mut one_by_one, mut in_pairs) = (EVEN, EVEN);
+            for _ in 0..20_000 {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // Long runs of one symbol, and changes.
+                let symbol = to_usize((seed >> 16) % 7 * ((seed >> 24) & 15) % 16);
+                for _ in 0..seed >> 30 << 4 {
+                    one_by_one.approach(symbol, rate);
+                    in_pairs.approach_in_pairs(symbol, rate);
+                }
+                assert_eq!(one_by_one, in_pairs, "{symbol} at {rate}");
+            }
         }
     }
 

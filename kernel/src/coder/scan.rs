@@ -9,7 +9,7 @@ use super::predictor::Predictor;
 use super::residual::Models;
 use super::train::Training;
 use super::weightless::{FixedRow, RowsBefore};
-use crate::transform::{Plan, Subband};
+use crate::transform::{Level, Plan, Subband};
 
 /// `i32`s of scratch that coding takes for the largest subband of `plan`.
 pub(crate) const fn scratch_len(plan: &Plan) -> usize {
@@ -64,8 +64,9 @@ impl Coefficients<'_> {
         let (mut history, rest) = History::new(subband.sides, self.scratch)?;
         let (energies, rest) = rest.split_at_mut_checked(width)?;
         let mut memory = RowMemory::new(width, self.wide, rest)?;
+        let level = self.plan.level_of(subband);
         for [y, z] in subband.rows() {
-            hint(&self.plan, subband, [y, z], self.samples, energies);
+            hint(&level, subband, [y, z], self.samples, energies);
             history.add_energies(y, energies)?;
             let start = subband.row(&self.plan, y, z);
             let magnitudes = history.row(y)?;
@@ -115,17 +116,12 @@ const SIBLING: i32 = 3;
 
 /// Sets `energies` to what the subbands of a lower orientation say about row `y` of plane `z`: the weighted magnitudes
 /// at the same place.
-fn hint(plan: &Plan, subband: Subband, [y, z]: [usize; 2], samples: &[i32], energies: &mut [i32]) {
+fn hint(level: &Level, subband: Subband, place: [usize; 2], samples: &[i32], energies: &mut [i32]) {
     energies.fill(0);
-    let siblings = (1..subband.orientation).filter_map(|orientation| plan.sibling(subband, orientation));
-    for sibling in siblings {
-        let [width, height, depth] = sibling.sides;
-        let start = sibling.row(plan, y, z);
-        if y < height && z < depth {
-            let row = samples.get(start..start.wrapping_add(width)).unwrap_or(&[]);
-            for (energy, &value) in energies.iter_mut().zip(row) {
-                *energy = energy.wrapping_add(magnitude(value).wrapping_mul(SIBLING));
-            }
+    for sibling in (1..subband.orientation).filter_map(|orientation| level.row(orientation, place)) {
+        let row = samples.get(sibling).unwrap_or(&[]);
+        for (energy, &value) in energies.iter_mut().zip(row) {
+            *energy = energy.wrapping_add(magnitude(value).wrapping_mul(SIBLING));
         }
     }
 }

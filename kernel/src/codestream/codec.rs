@@ -48,6 +48,11 @@ impl Effort<'_> {
         if let Self::Dense(..) = self { Dense::scratch_len(plan) } else { plan.scratch_len() }
     }
 
+    /// Whether it has weights.
+    const fn trains(&self) -> bool {
+        Feature::Trained.is_built() && !matches!(self, Self::Fast)
+    }
+
     /// What it takes that this build has not.
     const fn missing(&self) -> Option<Feature> {
         match self {
@@ -100,9 +105,8 @@ impl Codec {
         let mut coefficients = Coefficients { plan: *plan, samples, scratch, wide: sample_type.bytes() > 2 };
         match self.encode_coefficients(effort, sample_type, &mut coefficients, stored.room(out)) {
             Ok(len) => return Ok(len),
-            Err(Full { resolution }) => {
-                let undone = plan.levels().saturating_sub(resolution.saturating_sub(1));
-                for level in (0..undone).rev() {
+            Err(Full { transformed }) => {
+                for level in (0..transformed).rev() {
                     plan.inverse_level(level, samples, scratch);
                 }
             }
@@ -110,7 +114,7 @@ impl Codec {
         stored.write(samples, out)
     }
 
-    /// Codes every resolution into `out`, and undoes the transform.
+    /// Codes every resolution into `out`, and undoes the transform as far as that takes.
     fn encode_coefficients(
         &mut self,
         mut effort: Effort<'_>,
@@ -128,16 +132,21 @@ impl Codec {
             let Coefficients { samples, scratch, .. } = coefficients;
             let coded =
                 writer.push(|encoder| dense.code(encoder, plan.extent(), sample_type, samples, scratch));
-            return coded.and_then(|()| writer.finish()).ok_or(Full { resolution: 0 });
+            return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
         }
         let mut writer = SegmentWriter::new(sample_type, plan, Storage::Coded, out);
         self.models.reset();
+        let mut transformed = plan.levels();
         for resolution in 0..=plan.levels() {
             let coded = writer.push(|encoder| self.code(encoder, &mut effort, coefficients, resolution));
-            coded.ok_or(Full { resolution })?;
-            coefficients.undo_resolution(resolution);
+            coded.ok_or(Full { transformed })?;
+            // Only trained predictors look at the low-pass part of a level.
+            if effort.trains() {
+                coefficients.undo_resolution(resolution);
+                transformed = plan.levels().saturating_sub(resolution);
+            }
         }
-        writer.finish().ok_or(Full { resolution: plan.levels().saturating_add(1) })
+        writer.finish().ok_or(Full { transformed })
     }
 
     /// Codes one resolution; `None` if it does not fit.
@@ -275,7 +284,7 @@ impl Codec {
     }
 }
 
-/// The output was too short for a resolution: the finer ones are still transformed.
+/// The output was too short; so many of the finest levels are still transformed.
 struct Full {
-    resolution: u8,
+    transformed: u8,
 }

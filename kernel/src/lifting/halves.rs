@@ -113,7 +113,7 @@ impl<'a> Halves<'a> {
 #[cfg_attr(not(feature = "small"), inline(always))]
 fn each(values: &mut [i32], [a, b, c]: [&[i32]; 3], update: impl Fn(Sample, [Sample; 3]) -> Sample) {
     for (((value, &a), &b), &c) in values.iter_mut().zip(a).zip(b).zip(c) {
-        *value = update(Wrapping(*value), [a, b, c].map(Wrapping)).0;
+        *value = update(Wrapping(*value), [Wrapping(a), Wrapping(b), Wrapping(c)]).0;
     }
 }
 

@@ -9,4 +9,5 @@ mod row;
 mod subband;
 
 pub use plan::Plan;
+pub(crate) use subband::Level;
 pub use subband::Subband;
