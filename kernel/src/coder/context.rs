@@ -20,7 +20,7 @@ pub(super) const FRACTIONS: usize = 3;
 const LARGEST: u32 = 1 << 25;
 
 /// The magnitude of `residual`, as it is remembered.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 pub(super) fn magnitude(residual: i32) -> i32 {
     residual.unsigned_abs().min(LARGEST).cast_signed()
 }
@@ -34,13 +34,13 @@ pub(super) struct Expected {
 
 impl Expected {
     /// Exactly `value`.
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) const fn exactly(value: i32) -> Self {
         Self { value, offset: 0 }
     }
 
     /// `scaled` / 256.
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) fn of_scaled(scaled: i32) -> Self {
         let rounded = scaled.wrapping_add(128);
         Self { value: rounded >> 8, offset: (rounded & 0xFF).wrapping_sub(128) }
@@ -54,7 +54,7 @@ impl Expected {
     }
 
     /// How far from an integer the prediction fell: below [`FRACTIONS`].
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) fn fraction(self) -> usize {
         let distance = self.offset.wrapping_abs();
         usize::from(distance >= 32).wrapping_add(usize::from(distance >= 80))

@@ -43,7 +43,7 @@ impl Distribution {
     }
 
     /// The share of `symbol`.
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) fn share(&self, symbol: usize) -> Share {
         let below = |symbol: usize| self.below.get(symbol).copied().map_or(1 << TOTAL_BITS, unsigned);
         let start = below(symbol);
@@ -96,31 +96,40 @@ impl Distribution {
     /// through the shift without a remainder.
     fn approach_in_pairs(&mut self, symbol: usize, rate: u32) {
         const BOTH: u32 = 1 << 16 | 1;
-        let symbol = u32::try_from(symbol).unwrap_or(0);
         let (halves, offset) = ((0xFFFF >> rate) * BOTH, (0x8000 >> rate) * BOTH);
-        let mut lane = 0_u32;
-        for pair in self.below.as_chunks_mut::<2>().0 {
+        let goals = GOALS.get(SYMBOLS.wrapping_sub(symbol)..).unwrap_or(&[]).as_chunks::<2>().0;
+        let mut lanes = 1_u32 << 16;
+        for (pair, &goal) in self.below.as_chunks_mut::<2>().0.iter_mut().zip(goals) {
             let [first, second] = *pair;
-            let below = unsigned(second) << 16 | unsigned(first);
-            let above = if lane > symbol {
-                unsigned(TOTAL - 15).wrapping_mul(BOTH)
-            } else if lane == symbol {
-                unsigned(TOTAL - 15) << 16
-            } else {
-                0
-            };
-            let goal = lane.wrapping_mul(BOTH).wrapping_add(1 << 16).wrapping_add(above);
-            let difference = (goal | 0x8000 * BOTH).wrapping_sub(below);
+            let below = word([first.cast_unsigned(), second.cast_unsigned()]);
+            let difference = word(goal).wrapping_add(lanes).wrapping_sub(below);
             let moved = below.wrapping_add(difference >> rate & halves).wrapping_sub(offset);
             let [a, b, c, d] = moved.to_le_bytes();
             *pair = [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])];
-            lane = lane.wrapping_add(2);
+            lanes = lanes.wrapping_add(2 * BOTH);
         }
     }
 }
 
+/// What a symbol is to have before it, but for shares of one, and 2^15: from the 16th before the one that was coded.
+#[rustfmt::skip]
+const GOALS: [u16; 2 * SYMBOLS] = {
+    const A: u16 = 1 << 15;
+    const B: u16 = A + TOTAL.cast_unsigned() - 15;
+    [
+        A, A, A, A, A, A, A, A, A, A, A, A, A, A, A, A,
+        A, B, B, B, B, B, B, B, B, B, B, B, B, B, B, B,
+    ]
+};
+
+/// Two halves, the first low.
+#[inline(always)]
+fn word([low, high]: [u16; 2]) -> u32 {
+    u32::from(high) << 16 | u32::from(low)
+}
+
 /// `value`, which is not negative.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 const fn unsigned(value: i16) -> u32 {
     let [a, b] = value.to_le_bytes();
     u32::from_le_bytes([a, b, 0, 0])

@@ -130,6 +130,20 @@ pub(super) trait Forecast {
     fn push(&mut self, coefficient: i32);
 }
 
+/// 0 everywhere.
+#[derive(Debug)]
+pub(super) struct Zero;
+
+impl Forecast for Zero {
+    #[inline(always)]
+    fn expected(&self, _: usize) -> Expected {
+        Expected::exactly(0)
+    }
+
+    #[inline(always)]
+    fn push(&mut self, _: i32) {}
+}
+
 /// The sums before a row, and what its own coefficients add.
 #[derive(Debug)]
 pub(super) struct Weighted<'a> {

@@ -92,13 +92,13 @@ pub(super) struct Last {
 
 impl Last {
     /// What they add to the energy around the next coefficient: 4 W + WW.
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) const fn energy(self) -> i32 {
         self.west.wrapping_mul(4).wrapping_add(self.west_west)
     }
 
     /// Remembers a residual, and returns its magnitude.
-    #[cfg_attr(not(feature = "small"), inline(always))]
+    #[inline(always)]
     pub(super) fn push(&mut self, residual: i32) -> i32 {
         *self = Self { west: magnitude(residual), west_west: self.west };
         self.west

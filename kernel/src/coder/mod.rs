@@ -54,7 +54,7 @@ const fn share_of_true(range: u32, chance: u32) -> u32 {
 }
 
 /// The `count` (at most 32) low bits set.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 const fn low_bits(count: u32) -> u32 {
     match u32::MAX.checked_shl(count) {
         Some(high) => !high,
@@ -63,14 +63,14 @@ const fn low_bits(count: u32) -> u32 {
 }
 
 /// The low 32 bits.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 const fn low_word(value: i64) -> i32 {
     let [a, b, c, d, ..] = value.to_le_bytes();
     i32::from_le_bytes([a, b, c, d])
 }
 
 /// The low 16 bits.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 const fn low_half(value: i32) -> i16 {
     let [a, b, ..] = value.to_le_bytes();
     i16::from_le_bytes([a, b])

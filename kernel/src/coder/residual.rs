@@ -79,14 +79,14 @@ impl Models {
 }
 
 /// 0, 1, 2, 3, 4, … for 0, 1, -1, 2, -2, …
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 fn rank(value: i32) -> u32 {
     let negated = value.wrapping_neg();
     ((negated << 1) ^ (negated >> 31)).cast_unsigned()
 }
 
 /// The value of that [`rank`].
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 fn of_rank(rank: u32) -> i32 {
     let negated = (rank >> 1) ^ (rank & 1).wrapping_neg();
     negated.cast_signed().wrapping_neg()
@@ -149,7 +149,7 @@ fn code_number<C: Coder>(coder: &mut C, exponents: &mut Distribution, number: u3
 }
 
 /// A symbol as a number.
-#[cfg_attr(not(feature = "small"), inline(always))]
+#[inline(always)]
 fn to_u32(symbol: usize) -> u32 {
     u32::try_from(symbol).unwrap_or(0)
 }

@@ -3,20 +3,24 @@
 use super::Coder;
 use super::choose::Choosing;
 use super::context::magnitude;
-use super::forecast::{Forecast, RowMemory};
+use super::forecast::{Forecast, RowMemory, Zero};
 use super::history::{History, Last, history_len};
 use super::predictor::Predictor;
 use super::residual::Models;
 use super::train::Training;
 use super::weightless::{FixedRow, RowsBefore};
+use crate::Feature;
 use crate::transform::{Level, Plan, Subband};
 
 /// `i32`s of scratch that coding takes for the largest subband of `plan`.
 pub(crate) const fn scratch_len(plan: &Plan) -> usize {
     let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
     let [x, _, _] = largest;
-    let coding = history_len(largest).saturating_add(x).saturating_add(RowMemory::len(x));
-    let training = Training::scratch_len(x);
+    let coding = history_len(largest).saturating_add(x);
+    if !Feature::Trained.is_built() {
+        return coding;
+    }
+    let (coding, training) = (coding.saturating_add(RowMemory::len(x)), Training::scratch_len(x));
     if coding > training { coding } else { training }
 }
 
@@ -63,22 +67,29 @@ impl Coefficients<'_> {
         let [width, _, _] = subband.sides;
         let (mut history, rest) = History::new(subband.sides, self.scratch)?;
         let (energies, rest) = rest.split_at_mut_checked(width)?;
-        let mut memory = RowMemory::new(width, self.wide, rest)?;
+        let mut memory = match predictor {
+            Predictor::Trained(..) if Feature::Trained.is_built() => RowMemory::new(width, self.wide, rest),
+            _ => None,
+        };
         let level = self.plan.level_of(subband);
         for [y, z] in subband.rows() {
             hint(&level, subband, [y, z], self.samples, energies);
             history.add_energies(y, energies)?;
             let start = subband.row(&self.plan, y, z);
             let magnitudes = history.row(y)?;
-            if let Predictor::Fixed(fixed) = predictor {
-                let (before, row) = self.samples.split_at_mut_checked(start)?;
-                let before = RowsBefore::new(&self.plan, subband, [y, z], before);
-                let mut row = Row { values: row.get_mut(..width)?, energies, magnitudes };
-                row.code(coder, models, FixedRow::new(fixed, before));
-            } else {
-                let forecast = predictor.weighted(&self.plan, subband, self.samples, [y, z], &mut memory);
-                let values = self.samples.get_mut(start..start.wrapping_add(width))?;
-                Row { values, energies, magnitudes }.code(coder, models, forecast);
+            let (before, rest) = self.samples.split_at_mut_checked(start)?;
+            let mut row = Row { values: rest.get_mut(..width)?, energies, magnitudes };
+            match (&predictor, &mut memory) {
+                (Predictor::Fixed(fixed), _) => {
+                    let before = RowsBefore::new(&self.plan, subband, [y, z], before);
+                    row.code(coder, models, FixedRow::new(*fixed, before));
+                }
+                (Predictor::Trained(..), Some(memory)) => {
+                    let forecast = predictor.weighted(&self.plan, subband, self.samples, [y, z], memory);
+                    let values = self.samples.get_mut(start..start.wrapping_add(width))?;
+                    Row { values, energies, magnitudes }.code(coder, models, forecast);
+                }
+                _ => row.code(coder, models, Zero),
             }
             history.end_row();
         }

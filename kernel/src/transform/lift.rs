@@ -7,8 +7,8 @@ use super::row::{Row, divide, interleave, join, separate};
 use crate::lifting::{Halves, Wavelet};
 use crate::memory::copy;
 
-/// Lines lifted side by side along y and z: one cache line of samples.
-const LANES: usize = 16;
+/// Lines lifted side by side along y and z: one cache line of samples, or few where memory is small.
+const LANES: usize = if cfg!(feature = "small") { 4 } else { 16 };
 
 /// The most lines that are lifted at a time along x.
 const ROWS: usize = 16;
