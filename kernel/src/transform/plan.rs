@@ -137,7 +137,7 @@ impl Plan {
 
     fn lift(&self, level: u8, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
         let part = Part { part: self.extent.coarsened(level).sides(), sides: self.extent.sides() };
-        Lifter { wavelet: self.wavelet, direction, scratch }.lift(part, samples);
+        Lifter { wavelet: self.wavelet, scratch }.lift(direction, part, samples);
     }
 
     const fn transform_scratch_len(&self) -> usize {
