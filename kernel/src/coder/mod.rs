@@ -47,6 +47,19 @@ pub(crate) trait Coder {
     fn raw(&mut self, bits: u32, count: u32) -> u32;
 }
 
+/// The coder as the description of the codestream takes it: itself, so that each direction is compiled for speed, or in
+/// small builds one code for both.
+#[cfg(not(feature = "small"))]
+pub(crate) const fn described<C: Coder>(coder: &mut C) -> &mut C {
+    coder
+}
+
+/// The coder as the description of the codestream takes it: one code for both directions.
+#[cfg(feature = "small")]
+pub(crate) fn described<'a>(coder: &'a mut impl Coder) -> &'a mut (dyn Coder + 'a) {
+    coder
+}
+
 /// The part of an interval that stands for true under `chance`: neither nothing nor all of it.
 #[cfg_attr(not(feature = "small"), inline(always))]
 const fn share_of_true(range: u32, chance: u32) -> u32 {

@@ -30,7 +30,7 @@ impl Predictor {
     ///
     /// # Errors
     /// [`Malformed::Segment`] if the codestream names none that there is, [`DecodeError::NotBuilt`] if this build lacks it.
-    pub(crate) fn code<C: Coder>(
+    pub(crate) fn code<C: Coder + ?Sized>(
         &self,
         coder: &mut C,
         models: &mut Models,
@@ -99,7 +99,7 @@ impl Predictor {
 }
 
 /// Codes the first `count` weights.
-fn code_weights<C: Coder>(
+fn code_weights<C: Coder + ?Sized>(
     coder: &mut C,
     models: &mut Models,
     weights: &mut Weights,

@@ -44,7 +44,7 @@ impl Models {
 
     /// Codes one residual.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn code<C: Coder>(
+    pub(super) fn code<C: Coder + ?Sized>(
         &mut self,
         coder: &mut C,
         energy: i32,
@@ -71,7 +71,7 @@ impl Models {
     }
 
     /// Codes one weight of a predictor.
-    pub(super) fn code_weight<C: Coder>(&mut self, coder: &mut C, weight: i16) -> i16 {
+    pub(super) fn code_weight<C: Coder + ?Sized>(&mut self, coder: &mut C, weight: i16) -> i16 {
         let number = rank(weight.into()).wrapping_add(1);
         let coded = of_rank(code_number(coder, &mut self.weights, number).wrapping_sub(1));
         i16::try_from(coded).unwrap_or(i16::MAX)
@@ -94,7 +94,7 @@ fn of_rank(rank: u32) -> i32 {
 
 /// Codes a rank: the first have symbols of their own.
 #[cfg_attr(not(feature = "small"), inline(always))]
-fn code_rank<C: Coder>(
+fn code_rank<C: Coder + ?Sized>(
     coder: &mut C,
     distribution: &mut Distribution,
     exponents: &mut Distribution,
@@ -110,7 +110,7 @@ fn code_rank<C: Coder>(
 
 /// Codes a residual as zero, or a step of 2^`step_bits` magnitudes, a place in it, and a sign.
 #[cfg_attr(not(feature = "small"), inline(always))]
-fn code_step<C: Coder>(
+fn code_step<C: Coder + ?Sized>(
     coder: &mut C,
     distribution: &mut Distribution,
     exponents: &mut Distribution,
@@ -137,7 +137,7 @@ fn code_step<C: Coder>(
 }
 
 /// Codes a number above 0: its exponent, then the bits below its leading one as they are.
-fn code_number<C: Coder>(coder: &mut C, exponents: &mut Distribution, number: u32) -> u32 {
+fn code_number<C: Coder + ?Sized>(coder: &mut C, exponents: &mut Distribution, number: u32) -> u32 {
     const LAST: u32 = 15;
     let exponent = number.checked_ilog2().unwrap_or(0);
     let symbol = coder.symbol(to_usize(exponent.min(LAST)), exponents);

@@ -57,7 +57,7 @@ impl Coefficients<'_> {
     /// Runs either direction of the coder over one subband under `predictor`; the coarser resolutions are known already, and their inverse transform is done.
     ///
     /// `None` if the codestream says what no encoder does.
-    pub(crate) fn code<C: Coder>(
+    pub(crate) fn code<C: Coder + ?Sized>(
         &mut self,
         coder: &mut C,
         models: &mut Models,
@@ -108,7 +108,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn code<C: Coder>(&mut self, coder: &mut C, models: &mut Models, mut forecast: impl Forecast) {
+    fn code<C: Coder + ?Sized>(&mut self, coder: &mut C, models: &mut Models, mut forecast: impl Forecast) {
         let mut last = Last::default();
         let places = self.energies.iter().zip(self.magnitudes.iter_mut());
         for ((x, value), (energy, magnitude)) in self.values.iter_mut().enumerate().zip(places) {

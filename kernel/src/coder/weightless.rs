@@ -124,7 +124,7 @@ impl Fixed {
 
     /// The predictor of that number, if there is one.
     pub(super) fn from_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|fixed| fixed.number() == number)
+        Self::ALL.iter().copied().find(|fixed| fixed.number() == number)
     }
 
     #[cfg_attr(not(feature = "small"), inline(always))]

@@ -3,7 +3,7 @@
 use super::header::{Header, MAX_STORED_HEADER_BYTES, Storage};
 use super::segments::SegmentWriter;
 use super::stored::{Stored, restore};
-use crate::coder::{Coefficients, Dense, Encoder, Models, Predictor, Training};
+use crate::coder::{Coefficients, Dense, Encoder, Models, Predictor, Training, described};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
 use crate::{DecodeError, EncodeError, Extent, Feature, Malformed, Plan, SampleType, Slice};
@@ -163,8 +163,9 @@ impl Codec {
                 Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
             };
             let predictor = coefficients.best_predictor(subband, training)?;
-            let predictor = predictor.code(encoder, &mut self.models, &coefficients.plan, subband).ok()?;
-            coefficients.code(encoder, &mut self.models, subband, predictor)?;
+            let coder = described(encoder);
+            let predictor = predictor.code(coder, &mut self.models, &coefficients.plan, subband).ok()?;
+            coefficients.code(coder, &mut self.models, subband, predictor)?;
         }
         Some(())
     }
@@ -274,8 +275,9 @@ impl Codec {
         self.models.reset();
         header.each_segment(payload, target.plan.levels().saturating_add(1), |resolution, decoder| {
             for subband in target.plan.subbands(resolution) {
-                let predictor = Predictor::Zero.code(decoder, &mut self.models, &target.plan, subband)?;
-                let coded = target.code(decoder, &mut self.models, subband, predictor);
+                let coder = described(decoder);
+                let predictor = Predictor::Zero.code(coder, &mut self.models, &target.plan, subband)?;
+                let coded = target.code(coder, &mut self.models, subband, predictor);
                 coded.ok_or(Malformed::Segment)?;
             }
             target.undo_resolution(resolution);

@@ -126,7 +126,7 @@ impl Wavelet {
 
     /// The wavelet of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|wavelet| wavelet.code() == code)
+        Self::ALL.iter().copied().find(|wavelet| wavelet.code() == code)
     }
 }
 

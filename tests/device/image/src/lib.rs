@@ -2,6 +2,8 @@
 
 #![no_std]
 
+mod memory;
+
 use core::panic::PanicInfo;
 
 /// Nothing calls this: no image may hold a panic.
