@@ -1,6 +1,6 @@
 //! The encoder's choice of a predictor for each subband.
 
-use super::forecast::{Forecast, RowMemory, Weights, Zero};
+use super::forecast::{Forecast, RowMemory, Weights};
 use super::predictor::Predictor;
 use super::taps::{Planes, Taps};
 use super::train::Training;
@@ -87,9 +87,6 @@ impl Choosing<'_> {
         if let &Predictor::Fixed(fixed) = predictor {
             let before = RowsBefore::new(self.plan, self.subband, [y, z], self.coefficients.get(..start)?);
             return Some(bits(row, FixedRow::new(fixed, before)));
-        }
-        if let Predictor::Zero = predictor {
-            return Some(bits(row, Zero));
         }
         if !Feature::Trained.is_built() {
             return None;

@@ -94,6 +94,14 @@ pub(super) fn pad(row: &[i32], width: usize, padded: &mut [i32], part: impl Fn(i
 /// Adds the weighted windows of a padded row to `sums`.
 fn add(sums: &mut [i32], padded: &[i32], reach: usize, weights: &[i16]) {
     let row = padded.get(REACH.wrapping_sub(reach)..).unwrap_or(&[]);
+    if cfg!(feature = "small") {
+        for (&weight, from) in weights.iter().zip(0..) {
+            for (sum, coefficient) in sums.iter_mut().zip(row.get(from..).unwrap_or(&[])) {
+                *sum = sum.wrapping_add(coefficient.wrapping_mul(weight.into()));
+            }
+        }
+        return;
+    }
     match *weights {
         [a] => add_windows(sums, row, [a]),
         [a, b, c] => add_windows(sums, row, [a, b, c]),

@@ -65,7 +65,7 @@ impl Predictor {
         }
     }
 
-    /// The prediction of row `y` of plane `z` by weights.
+    /// The prediction of row `y` of plane `z` by weights, of which [`Predictor::Zero`] has none.
     pub(super) fn weighted<'a>(
         &self,
         plan: &Plan,

@@ -72,19 +72,18 @@ impl Header {
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
         let plan = fields.plan(wavelet, storage)?;
-        if storage == Storage::Dense && plan.levels() > 0 {
+        if matches!(storage, Storage::Dense) && plan.levels() > 0 {
             return Err(Malformed::Levels.into());
         }
         let storage = fields.precision(storage)?;
         let mut segments = Segments::new();
-        let count = if storage == Storage::Stored { 1 } else { plan.levels().wrapping_add(1) };
+        let count = if matches!(storage, Storage::Stored) { 1 } else { plan.levels().wrapping_add(1) };
         for _ in 0..count {
             // A plan has at most 31 levels, so the list cannot overflow.
             let _ = segments.push(fields.number()?);
         }
         let header = Self { sample_type, plan, storage, segments, header_bytes: fields.taken };
-        if storage == Storage::Stored && header.segments.first() != stored_bytes(&plan, sample_type).as_ref()
-        {
+        if header.is_stored() && header.segments.first() != stored_bytes(&plan, sample_type).as_ref() {
             return Err(Malformed::StoredLength.into());
         }
         Ok(header)
@@ -227,6 +226,9 @@ impl Fields<'_> {
     /// What a lattice has besides: its slack and how its steps shrink.
     fn precision(&mut self, storage: Storage) -> Result<Storage, DecodeError> {
         let Storage::Lattice { .. } = storage else { return Ok(storage) };
+        if !Feature::Lattice.is_built() {
+            return Ok(storage);
+        }
         let (slack, shrinking) = (self.number()?, self.byte()?);
         if slack > LARGEST_SLACK || usize::from(shrinking) >= SHRINKING.len() {
             return Err(Malformed::Reserved.into());

@@ -63,33 +63,58 @@ impl<A: Lifting, B: Lifting> Lifting for Then<A, B> {
     }
 }
 
+/// Forward, a step adds its term; its inverse subtracts it.
+const ADD: Sample = Wrapping(1);
+const SUBTRACT: Sample = Wrapping(-1);
+
+impl<F: Fn(Sample, Sample) -> Sample> Low<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c + sign * self.0(left, d));
+    }
+}
+
 impl<F: Fn(Sample, Sample) -> Sample> Lifting for Low<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c + self.0(left, d));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c - self.0(left, d));
+        self.lift(SUBTRACT, halves);
+    }
+}
+
+impl<F: Fn(Sample, Sample, Sample) -> Sample> ZeroEndedLow<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Zero, |c, [left, d, right]| c + sign * self.0(left, d, right));
     }
 }
 
 impl<F: Fn(Sample, Sample, Sample) -> Sample> Lifting for ZeroEndedLow<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Zero, |c, [left, d, right]| c + self.0(left, d, right));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Zero, |c, [left, d, right]| c - self.0(left, d, right));
+        self.lift(SUBTRACT, halves);
+    }
+}
+
+impl<F: Fn(Sample, Sample) -> Sample> High<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_high(|d, [c, next]| d + sign * self.0(c, next));
     }
 }
 
 impl<F: Fn(Sample, Sample) -> Sample> Lifting for High<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_high(|d, [c, next]| d + self.0(c, next));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_high(|d, [c, next]| d - self.0(c, next));
+        self.lift(SUBTRACT, halves);
     }
 }
 
