@@ -90,11 +90,9 @@ impl Predictor {
         if !Feature::Trained.is_built() {
             return None;
         }
-        let in_first = if z == 0 { Taps::new(plan, subband, Planes::First) } else { None };
-        match in_first {
-            Some(taps) => Some((taps, first)),
-            None => Taps::new(plan, subband, Planes::Others).map(|taps| (taps, rest)),
-        }
+        let is_first = z == 0 && subband.orientation == 0;
+        let (planes, weights) = if is_first { (Planes::First, first) } else { (Planes::Others, rest) };
+        Some((Taps::new(plan, subband, planes)?, weights))
     }
 }
 
