@@ -1,6 +1,6 @@
 //! `cargo xtask size --table`: what every profile takes on a target, and what others publish.
 
-use crate::budget::{self, Budgets, Run};
+use crate::budget::{self, Budgets, Limit, Run};
 use crate::shell::Failures;
 use crate::{device, size};
 
@@ -44,7 +44,7 @@ fn row(budgets: &Budgets, run: &Run) -> Result<String, String> {
     };
     let device::Measures { encode, decode, state, scratch, encode_stack, decode_stack, .. } = measures;
     Ok(format!(
-        "| {} | {} | {} / {} / {} | {} + {} | {} / {} | {encode} / {decode} |\n",
+        "| {} | {} | {} / {} / {} | {} + {} | {} / {} | {} / {} |\n",
         run.profile,
         run.board,
         flash("decode")?,
@@ -54,7 +54,17 @@ fn row(budgets: &Budgets, run: &Run) -> Result<String, String> {
         thousands(scratch),
         thousands(encode_stack),
         thousands(decode_stack),
+        of_goal(encode, run.encode),
+        of_goal(decode, run.decode),
     ))
+}
+
+/// A number, and the goal if that is missed.
+fn of_goal(number: u64, limit: Limit) -> String {
+    match limit.missed() {
+        Some(goal) if number > goal => format!("{} (goal {goal})", thousands(number)),
+        _ => thousands(number),
+    }
 }
 
 /// With a comma before every third digit.

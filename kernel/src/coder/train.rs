@@ -58,7 +58,7 @@ pub struct Training {
 
 impl Training {
     /// Memory that can be the value of a `static`.
-    #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
+    #[cfg_attr(feature = "trained", expect(clippy::large_stack_arrays, reason = "evaluated by the compiler"))]
     pub const NEW: Self = Self {
         matrix: [0; ENTRIES],
         right: [0; WEIGHTS],
@@ -211,9 +211,12 @@ impl Training {
     }
 
     /// Solves the leading equations for as many weights: elimination, then substitution, in fixed point.
-    #[expect(
-        clippy::large_stack_frames,
-        reason = "the lint counts every copy of an iterator; the frame is far smaller"
+    #[cfg_attr(
+        feature = "trained",
+        expect(
+            clippy::large_stack_frames,
+            reason = "the lint counts every copy of an iterator; the frame is far smaller"
+        )
     )]
     fn solve(&mut self, weights: &mut [i16]) {
         let n = weights.len();

@@ -65,8 +65,12 @@ fn decode(bytes: &[u8], header: &Header, parts: &mut Parts<'_>) -> Result<u32, D
     let Parts { codec, samples, scratch, efforts, .. } = parts;
     let samples = &mut samples[..header.samples_len(0)];
     match efforts {
-        Some(Efforts { lattice, .. }) if header.slack().is_some() => lattice.decode(bytes, samples, scratch)?,
-        Some(Efforts { dense, .. }) if header.is_dense() => codec.decode_dense(dense, bytes, 0, samples, scratch)?,
+        Some(Efforts { lattice, .. }) if header.slack().is_some() => {
+            lattice.decode(bytes, samples, scratch)?
+        }
+        Some(Efforts { dense, .. }) if header.is_dense() => {
+            codec.decode_dense(dense, bytes, 0, samples, scratch)?
+        }
         _ => codec.decode(bytes, samples, scratch)?,
     };
     Ok(crc32_of_samples(samples))

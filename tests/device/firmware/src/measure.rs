@@ -34,7 +34,11 @@ pub(crate) fn run(meter: &Meter, parts: &mut Parts<'_>) -> bool {
 }
 
 /// Measures one case; `None` if this build or this board cannot do it.
-fn measure((wavelet, levels, trained): (Wavelet, u8, bool), meter: &Meter, parts: &mut Parts<'_>) -> Option<bool> {
+fn measure(
+    (wavelet, levels, trained): (Wavelet, u8, bool),
+    meter: &Meter,
+    parts: &mut Parts<'_>,
+) -> Option<bool> {
     let extent = Extent::new([SIDE; 3]).ok()?;
     let plan = Plan::new(wavelet, extent, levels).ok()?;
     let Parts { codec, samples, scratch, bytes, efforts } = parts;

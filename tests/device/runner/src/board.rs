@@ -57,7 +57,9 @@ pub(crate) fn run(name: &str, firmware: &Path, folder: &Path) -> Result<Outcome,
         .stdin(Stdio::null())
         .stdout(file)
         .spawn()
-        .map_err(|error| format!("{program}: {error}; Debian has it in qemu-system-arm and qemu-system-misc"))?;
+        .map_err(|error| {
+            format!("{program}: {error}; Debian has it in qemu-system-arm and qemu-system-misc")
+        })?;
     let succeeded = wait(&mut emulator).map_err(|error| format!("{program}: {error}"))?;
     let frames = std::fs::read(&output).map_err(|error| format!("{}: {error}", output.display()))?;
     Ok(Outcome { frames, succeeded })

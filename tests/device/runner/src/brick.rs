@@ -14,7 +14,10 @@ pub(crate) fn compare(log: &Log) -> Result<usize, String> {
         let (len, checksum) = (number(&brick, "bytes")?, number(&brick, "crc32")?);
         let codestream = encode(&brick)?;
         if (len as usize, checksum) != (codestream.len(), crc32(codestream.iter().copied())) {
-            return Err(format!("the host encodes this brick in {} other bytes: {brick:?}", codestream.len()));
+            return Err(format!(
+                "the host encodes this brick in {} other bytes: {brick:?}",
+                codestream.len()
+            ));
         }
         count += 1;
     }
@@ -35,7 +38,11 @@ fn encode(brick: &BTreeMap<&str, &str>) -> Result<Vec<u8>, String> {
 }
 
 /// The codestream of 16-bit samples.
-pub(crate) fn encode_samples(effort: Effort<'_>, plan: &Plan, samples: &mut [i32]) -> Result<Vec<u8>, String> {
+pub(crate) fn encode_samples(
+    effort: Effort<'_>,
+    plan: &Plan,
+    samples: &mut [i32],
+) -> Result<Vec<u8>, String> {
     let room = max_encoded_len(plan.extent(), SampleType::U16).ok_or("too many samples")?;
     let (mut scratch, mut bytes) = (vec![0; plan.scratch_len()], vec![0; room]);
     let mut codec = Box::new(Codec::NEW);

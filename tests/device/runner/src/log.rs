@@ -20,7 +20,9 @@ impl Log {
             match decoder.decode() {
                 Ok(frame) => lines.push(frame.display_message().to_string()),
                 Err(DecodeError::UnexpectedEof) => return Ok(Self { lines }),
-                Err(DecodeError::Malformed) => return Err(format!("log line {} is malformed", lines.len() + 1)),
+                Err(DecodeError::Malformed) => {
+                    return Err(format!("log line {} is malformed", lines.len() + 1));
+                }
             }
         }
     }
