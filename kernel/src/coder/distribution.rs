@@ -96,7 +96,8 @@ impl Distribution {
     /// through the shift without a remainder.
     fn approach_in_pairs(&mut self, symbol: usize, rate: u32) {
         const BOTH: u32 = 1 << 16 | 1;
-        let [halves, offset] = [0xFFFF_u32 >> rate, 0x8000 >> rate].map(|half| half.wrapping_mul(BOTH));
+        let (halves, offset) = (0xFFFF_u32 >> rate, 0x8000_u32 >> rate);
+        let (halves, offset) = (halves.wrapping_mul(BOTH), offset.wrapping_mul(BOTH));
         let goals = GOALS.get(SYMBOLS.wrapping_sub(symbol)..).unwrap_or(&[]).as_chunks::<2>().0;
         let mut lanes = 1_u32 << 16;
         for (pair, &goal) in self.below.as_chunks_mut::<2>().0.iter_mut().zip(goals) {
