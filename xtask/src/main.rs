@@ -5,6 +5,8 @@
 //! `conformance` package, started from here.
 
 mod bench;
+mod browser;
+mod capi;
 mod ci;
 mod doc;
 mod fmt;
@@ -57,6 +59,10 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// The C library, and its example here, with sanitizers, and on an emulated Cortex-M4F
+    Capi,
+    /// The decoder in WebAssembly: its size, and a page in Node and headless Chromium
+    Browser,
     /// Size, speed and memory, with rival codecs where Python has them
     Bench(bench::Options),
 }
@@ -77,6 +83,8 @@ fn main() -> ExitCode {
         Command::Matrix { list_targets: false } => matrix::run(),
         Command::Doc => doc::run(),
         Command::Vectors { arguments } => vectors::run(&arguments),
+        Command::Capi => capi::run(),
+        Command::Browser => browser::run(),
         Command::Bench(options) => bench::run(&options),
     };
     for failure in &failures {

@@ -68,7 +68,6 @@ pub unsafe extern "C" fn wavelift_encode(
 /// # Safety
 /// As [`wavelift_encode`].
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "three states, what to encode, and the memory to do it in")]
 pub unsafe extern "C" fn wavelift_encode_dense(
     codec: *mut WaveliftCodec,
     training: *mut WaveliftTraining,

@@ -48,6 +48,11 @@ pub struct WaveliftLevel {
     pub bytes: u64,
 }
 
+/// Bytes of the longest header.
+pub const WAVELIFT_MAX_HEADER_BYTES: usize = 187;
+
+const _: () = assert!(WAVELIFT_MAX_HEADER_BYTES == Header::MAX_BYTES);
+
 impl WaveliftHeader {
     fn new(header: &Header) -> Self {
         let (plan, slack) = (header.plan(), header.slack());

@@ -35,14 +35,18 @@ pub use decode::{wavelift_decode, wavelift_decode_dense, wavelift_decode_near};
 pub use encode::{wavelift_encode, wavelift_encode_dense, wavelift_encode_near};
 pub use error::{WaveliftError, wavelift_error_name};
 pub use header::{
-    WaveliftHeader, WaveliftLevel, WaveliftStorage, wavelift_header_level, wavelift_header_parse,
+    WAVELIFT_MAX_HEADER_BYTES, WaveliftHeader, WaveliftLevel, WaveliftStorage, wavelift_header_level,
+    wavelift_header_parse,
 };
 pub use lent::WaveliftLent;
 pub use plan::{
     WaveliftPlan, wavelift_dense_scratch_len, wavelift_max_encoded_len, wavelift_max_levels,
     wavelift_near_scratch_len, wavelift_plan_check, wavelift_samples_len, wavelift_scratch_len,
 };
-pub use state::{WaveliftCodec, WaveliftDense, WaveliftLattice, WaveliftTraining};
+pub use state::{
+    WaveliftCodec, WaveliftDense, WaveliftLattice, WaveliftTraining, wavelift_codec_size,
+    wavelift_dense_size, wavelift_lattice_size, wavelift_training_size,
+};
 
 /// Never called by the kernel; a program of Rust brings its own.
 #[cfg(all(feature = "panic-handler", any(target_os = "none", target_os = "unknown")))]

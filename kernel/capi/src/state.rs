@@ -1,6 +1,6 @@
 //! States of fixed size as C sees them: memory without a meaning, as large and as aligned as the kernel's.
 
-use core::mem::MaybeUninit;
+use core::mem::{MaybeUninit, zeroed};
 
 use wavelift_kernel::{Codec, Dense, Lattice, Training};
 
@@ -9,8 +9,9 @@ pub(crate) trait State: Sized {
     /// The state.
     type Of;
 
-    /// What every call begins with.
-    const NEW: Self::Of;
+    /// A value of the state. Which one does not matter, since every call starts its state afresh; one of zeros takes no
+    /// room in a program, as [`Codec::NEW`] does.
+    const ZERO: Self::Of;
 }
 
 macro_rules! state {
@@ -26,13 +27,6 @@ macro_rules! state {
         impl $name {
             /// 64-bit words of the state.
             pub const WORDS: usize = $words;
-
-            /// Memory full of `word`.
-            #[cfg(test)]
-            #[allow(dead_code, reason = "tests take the state that shows most")]
-            pub(crate) const fn filled(word: u64) -> Self {
-                Self { opaque: [MaybeUninit::new(word); $words] }
-            }
         }
 
         const _: () = {
@@ -44,7 +38,8 @@ macro_rules! state {
 
         impl State for $name {
             type Of = $kernel;
-            const NEW: Self::Of = <$kernel>::NEW;
+            // SAFETY: zeros are a value of the type: the compiler evaluates the constant, and refuses it if not.
+            const ZERO: Self::Of = unsafe { zeroed() };
         }
     };
 }
@@ -64,4 +59,28 @@ state! {
 state! {
     /// Memory of [`Lattice`]: `wavelift_lattice`.
     WaveliftLattice(2866) of Lattice
+}
+
+/// Bytes of [`WaveliftCodec`], for callers that do not read the header.
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_codec_size() -> usize {
+    size_of::<WaveliftCodec>()
+}
+
+/// Bytes of [`WaveliftTraining`].
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_training_size() -> usize {
+    size_of::<WaveliftTraining>()
+}
+
+/// Bytes of [`WaveliftDense`].
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_dense_size() -> usize {
+    size_of::<WaveliftDense>()
+}
+
+/// Bytes of [`WaveliftLattice`].
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_lattice_size() -> usize {
+    size_of::<WaveliftLattice>()
 }
