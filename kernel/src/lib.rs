@@ -43,6 +43,8 @@ pub mod metric;
 pub mod record;
 mod sample;
 pub mod stencil;
+#[cfg(feature = "stream")]
+pub mod stream;
 pub mod transform;
 
 pub use coder::{Dense, Lattice, Training};

@@ -6,4 +6,5 @@ pub mod inputs;
 pub mod lent;
 pub mod oracle;
 pub mod reference;
+pub mod streams;
 pub mod vectors;

@@ -18,18 +18,26 @@ mod mixing;
 mod predictor;
 mod priors;
 mod residual;
+#[cfg(feature = "stream")]
+mod row;
 mod scan;
 mod taps;
 mod train;
 mod weightless;
 
 pub(crate) use decoder::Decoder;
+#[cfg(feature = "stream")]
+pub(crate) use decoder::{Suspended, WINDOW};
 pub use dense::Dense;
 pub(crate) use encoder::Encoder;
+#[cfg(feature = "stream")]
+pub(crate) use encoder::{Interval, Sink};
 pub use lattice::Lattice;
 pub(crate) use lattice::{Grid, LARGEST_SLACK, Precision, SHRINKING};
 pub(crate) use predictor::Predictor;
 pub(crate) use residual::Models;
+#[cfg(feature = "stream")]
+pub(crate) use row::{Cursor, MOST_BYTES, Row};
 pub(crate) use scan::{Coefficients, scratch_len};
 pub use train::Training;
 

@@ -113,7 +113,7 @@ impl Row<'_> {
 }
 
 /// Weight of a sibling's magnitude in the energy.
-const SIBLING: i32 = 3;
+pub(super) const SIBLING: i32 = 3;
 
 /// Sets `energies` to what the subbands of a lower orientation say about row `y` of plane `z`: the weighted magnitudes
 /// at the same place.

@@ -32,7 +32,7 @@ impl<'a> RowsBefore<'a> {
 
 /// Samples around a place in a plane: west, north, and between them.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+pub(super) struct Corner {
     west: i32,
     north: i32,
     north_west: i32,
@@ -42,7 +42,7 @@ impl Corner {
     /// Beyond the border stands the nearest sample there is, or else `fallback`. North-west does not matter there:
     /// where it is missing, west equals north.
     #[inline(always)]
-    fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
+    pub(super) fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
         let near_west = west.or(north).unwrap_or(fallback);
         let near_north = north.unwrap_or(near_west);
         Self { west: near_west, north: near_north, north_west: north_west.unwrap_or(near_west) }
@@ -54,7 +54,7 @@ impl Corner {
     }
 
     /// The median of west, north and [`Corner::plane`] (the predictor of JPEG-LS).
-    fn median(self) -> i32 {
+    pub(super) fn median(self) -> i32 {
         median(self.west, self.north, self.plane())
     }
 

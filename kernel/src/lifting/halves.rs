@@ -111,7 +111,11 @@ impl<'a> Halves<'a> {
 
 /// Updates each value by the three beside it.
 #[inline(always)]
-fn each(values: &mut [i32], [a, b, c]: [&[i32]; 3], update: impl Fn(Sample, [Sample; 3]) -> Sample) {
+pub(super) fn each(
+    values: &mut [i32],
+    [a, b, c]: [&[i32]; 3],
+    update: impl Fn(Sample, [Sample; 3]) -> Sample,
+) {
     for (((value, &a), &b), &c) in values.iter_mut().zip(a).zip(b).zip(c) {
         *value = update(Wrapping(*value), [a, b, c].map(Wrapping)).0;
     }

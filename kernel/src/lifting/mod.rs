@@ -43,6 +43,13 @@ pub enum Wavelet {
     Quintic,
 }
 
+/// Which way a wavelet is applied.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Direction {
+    Forward,
+    Inverse,
+}
+
 impl Wavelet {
     /// All six, in the order of the dissertation's tables and of their codes in the codestream.
     pub const ALL: [Self; 6] =
@@ -107,6 +114,19 @@ impl Wavelet {
             Self::Linear => linear::steps().inverse(halves),
             Self::Cubic => cubic::steps().inverse(halves),
             Self::Quintic => quintic::steps().inverse(halves),
+        }
+    }
+
+    /// Applies or undoes one step on a row across many lines; see [`Lifting::lift_row`].
+    #[cfg(feature = "stream")]
+    pub(crate) fn lift_row(self, step: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match self {
+            Self::Haar => haar::steps().lift_row(step, direction, row, beside),
+            Self::Quadratic => quadratic::steps().lift_row(step, direction, row, beside),
+            Self::Duchaineau => duchaineau::steps().lift_row(step, direction, row, beside),
+            Self::Linear => linear::steps().lift_row(step, direction, row, beside),
+            Self::Cubic => cubic::steps().lift_row(step, direction, row, beside),
+            Self::Quintic => quintic::steps().lift_row(step, direction, row, beside),
         }
     }
 

@@ -4,7 +4,7 @@
 //! side. Either way memory is read and written in runs, and the compiler can work on many samples at once.
 
 use super::row::{Row, divide, interleave, join, separate};
-use crate::lifting::{Halves, Wavelet};
+use crate::lifting::{Direction, Halves, Wavelet};
 use crate::memory::copy;
 
 /// Lines lifted side by side along y and z: one cache line of samples.
@@ -12,13 +12,6 @@ const LANES: usize = 16;
 
 /// The most lines that are lifted at a time along x.
 const ROWS: usize = 16;
-
-/// Which way a wavelet is applied.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Direction {
-    Forward,
-    Inverse,
-}
 
 /// The first `part` samples per axis of a brick of `sides` samples per axis.
 #[derive(Clone, Copy, Debug)]

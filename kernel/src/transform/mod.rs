@@ -9,4 +9,6 @@ mod row;
 mod subband;
 
 pub use plan::Plan;
+#[cfg(feature = "stream")]
+pub(crate) use plan::row_scratch_len;
 pub use subband::Subband;

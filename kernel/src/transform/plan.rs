@@ -1,9 +1,16 @@
 //! A transform that is known to be possible.
 
-use super::lift::{Direction, Lifter, Part, scratch_len};
+use super::lift::{Lifter, Part, scratch_len};
 use crate::error::{at_least, exactly};
+use crate::lifting::Direction;
 use crate::memory::move_within;
 use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
+
+/// `i32`s of scratch that [`Plan::lift_row`] takes for a row of `width`.
+#[cfg(feature = "stream")]
+pub(crate) const fn row_scratch_len(width: usize) -> usize {
+    scratch_len([width, 1, 1])
+}
 
 /// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only
 /// lent memory of the wrong length can still fail.
@@ -116,6 +123,13 @@ impl Plan {
     /// Undoes one level: the coarser ones are undone already.
     pub(crate) fn inverse_level(&self, level: u8, samples: &mut [i32], scratch: &mut [i32]) {
         self.lift(level, Direction::Inverse, samples, scratch);
+    }
+
+    /// Transforms one row along x, or back: the first level of a line. `scratch` is [`row_scratch_len`] long.
+    #[cfg(feature = "stream")]
+    pub(crate) fn lift_row(wavelet: Wavelet, direction: Direction, row: &mut [i32], scratch: &mut [i32]) {
+        let sides = [row.len(), 1, 1];
+        Lifter { wavelet, direction, scratch }.lift(Part { part: sides, sides }, row);
     }
 
     fn check(&self, samples: &[i32], scratch: &[i32]) -> Result<(), LengthError> {
