@@ -1,9 +1,9 @@
 /*
  * wavelift: integer wavelet coding of lines, slices and bricks of samples, without loss or within a bound.
  *
- * The library allocates nothing, keeps nothing between calls, has no globals and calls nobody: all memory is lent by
- * the caller for the time of a call, and any number of calls may run at once on memory of their own. Bytes to decode
- * may be anything: what is wrong with them is an error code, and work is bounded by the memory lent.
+ * The library allocates nothing, has no globals and calls nobody: all memory is lent by the caller, for the time of a
+ * call unless said otherwise, and any number of calls may run at once on memory of their own. Bytes to decode may be
+ * anything: what is wrong with them is an error code, and work is bounded by the memory lent.
  *
  * Samples are int32_t in memory whatever their type, x fastest, then y, then z; those of WAVELIFT_U32 are the same 32
  * bits. A line of n samples has the extent {n, 1, 1}, a slice {x, y, 1}. Lengths named `_len` count elements.
@@ -61,6 +61,8 @@ enum {
     WAVELIFT_LEVEL_OUT_OF_RANGE = 113,     /* the codestream holds fewer levels */
     WAVELIFT_OTHER_CODEC = 114,            /* a near-lossless codestream, or none where one must be */
     WAVELIFT_NEEDS_DENSE = 115,            /* a dense codestream: wavelift_decode_dense */
+    WAVELIFT_NOT_BEGUN = 116,              /* nothing has begun in this memory */
+    WAVELIFT_UNFINISHED_ROW = 117,         /* the last row lacks samples */
     WAVELIFT_REFUSED = 199                 /* a fault of the call that has no code in this header */
 };
 
@@ -256,6 +258,96 @@ wavelift_error wavelift_decode_dense(wavelift_codec *codec, wavelift_dense *dens
 /* Decodes what wavelift_encode_near encoded. Level L is every 2^L-th sample along each axis. */
 wavelift_error wavelift_decode_near(wavelift_lattice *lattice, const uint8_t *bytes, size_t bytes_len, uint8_t level,
                                     const wavelift_lent *lent);
+
+/*
+ * Streams of rows
+ *
+ * A slice whose rows come one after another, their number not known before, becomes a stream of bytes in the memory of
+ * a few rows, and rows again. Input and output are cut into any pieces, and results do not depend on how.
+ *
+ * An encoder or decoder begins in memory that is lent to it until its last call: its own, the codec's, and `memory`.
+ * Meanwhile nobody writes there. There is no call to end it: one that is no longer used is forgotten.
+ */
+
+typedef struct wavelift_row_plan {
+    uint32_t width; /* samples of a row: at least 1, less than 2^31 */
+    uint16_t strip; /* rows whose bytes are ended together; 0 for as many as suit the width */
+    uint8_t wavelet;
+    uint8_t levels; /* at most 31 */
+    uint8_t sample_type;
+} wavelift_row_plan;
+
+/* What is needed to go on. */
+typedef int32_t wavelift_status;
+
+enum {
+    WAVELIFT_NEED_INPUT = 0,  /* more input: all of it is taken */
+    WAVELIFT_NEED_OUTPUT = 1, /* more room for output, or another step */
+    WAVELIFT_DONE = 2         /* nothing: the stream is complete */
+};
+
+typedef struct wavelift_step {
+    size_t consumed; /* elements taken from the beginning of the input */
+    size_t produced; /* elements written to the beginning of the output */
+    wavelift_status status;
+} wavelift_step;
+
+#define WAVELIFT_ROW_CODEC_WORDS 706
+#define WAVELIFT_ROW_ENCODER_WORDS 160
+#define WAVELIFT_ROW_DECODER_WORDS 288
+
+/* Models of both directions: 5,648 bytes. */
+typedef struct wavelift_row_codec {
+    uint64_t opaque[WAVELIFT_ROW_CODEC_WORDS];
+} wavelift_row_codec;
+
+/* An encoder at work: 1,280 bytes. */
+typedef struct wavelift_row_encoder {
+    uint64_t opaque[WAVELIFT_ROW_ENCODER_WORDS];
+} wavelift_row_encoder;
+
+/* A decoder at work: 2,304 bytes. */
+typedef struct wavelift_row_decoder {
+    uint64_t opaque[WAVELIFT_ROW_DECODER_WORDS];
+} wavelift_row_decoder;
+
+size_t wavelift_row_codec_size(void);
+size_t wavelift_row_encoder_size(void);
+size_t wavelift_row_decoder_size(void);
+
+/* Elements of `memory` that an encoder and a decoder take. 0 for NULL, and if there is no such plan. */
+size_t wavelift_row_encoder_memory_len(const wavelift_row_plan *plan);
+size_t wavelift_row_decoder_memory_len(const wavelift_row_plan *plan);
+
+/* Begins to encode. Faults: of the plan, as of a wavelift_plan; WAVELIFT_SCRATCH_TOO_SHORT for `memory`; of pointers.
+ * With an error nothing has begun, and what was begun in *encoder before has ended. */
+wavelift_error wavelift_row_encoder_begin(wavelift_row_encoder *encoder, wavelift_row_codec *codec,
+                                          const wavelift_row_plan *plan, int32_t *memory, size_t memory_len);
+
+/* Takes samples, x fastest, and gives bytes, until one of them is used up, or nothing is left to do.
+ * WAVELIFT_SAMPLE_OUT_OF_RANGE if the first sample is outside its type. With an error nothing was taken or given, and
+ * *step is untouched. */
+wavelift_error wavelift_row_encoder_step(wavelift_row_encoder *encoder, const int32_t *samples, size_t samples_len,
+                                         uint8_t *out, size_t out_len, wavelift_step *step);
+
+/* Says that no more rows follow: further steps, without samples, give the rest of the stream. WAVELIFT_UNFINISHED_ROW
+ * if samples of the last row are missing; the encoder goes on then. */
+wavelift_error wavelift_row_encoder_finish(wavelift_row_encoder *encoder);
+
+/* Reads the header at the beginning of a stream, and how long it is: 21 bytes at most. After an error both are
+ * untouched; WAVELIFT_TRUNCATED if `bytes` ends first. */
+wavelift_error wavelift_row_header_parse(const uint8_t *bytes, size_t bytes_len, wavelift_row_plan *plan,
+                                         size_t *header_len);
+
+/* Begins to decode what follows the header, which said what the plan is. Faults as of wavelift_row_encoder_begin. */
+wavelift_error wavelift_row_decoder_begin(wavelift_row_decoder *decoder, wavelift_row_codec *codec,
+                                          const wavelift_row_plan *plan, int32_t *memory, size_t memory_len);
+
+/* Takes bytes and gives samples, x fastest, until one of them is used up, or the stream is complete; what follows it is
+ * not taken. Where WAVELIFT_NEED_INPUT meets the end of the input, the stream is truncated. What is wrong with the
+ * stream is told as soon as all samples before are given, and from then on always; *step is untouched then. */
+wavelift_error wavelift_row_decoder_step(wavelift_row_decoder *decoder, const uint8_t *bytes, size_t bytes_len,
+                                         int32_t *samples, size_t samples_len, wavelift_step *step);
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,8 @@
 
 use core::ffi::{CStr, c_char};
 
+#[cfg(feature = "rows")]
+use wavelift_kernel::stream::RowError;
 use wavelift_kernel::{DecodeError, EncodeError, LengthError, Malformed, PlanError, Slice};
 
 macro_rules! errors {
@@ -81,6 +83,10 @@ errors! {
     OtherCodec = 114, c"WAVELIFT_OTHER_CODEC";
     /// The codestream is dense.
     NeedsDense = 115, c"WAVELIFT_NEEDS_DENSE";
+    /// Nothing was begun in this memory.
+    NotBegun = 116, c"WAVELIFT_NOT_BEGUN";
+    /// The last row lacks samples.
+    UnfinishedRow = 117, c"WAVELIFT_UNFINISHED_ROW";
     /// The call breaks a rule that has no code of its own in this version of the header.
     Refused = 199, c"WAVELIFT_REFUSED";
 }
@@ -120,6 +126,17 @@ impl From<EncodeError> for WaveliftError {
             EncodeError::Length(error) => error.into(),
             EncodeError::SampleOutOfRange { .. } => Self::SampleOutOfRange,
             EncodeError::OutputFull => Self::OutputFull,
+            _ => Self::Refused,
+        }
+    }
+}
+
+#[cfg(feature = "rows")]
+impl From<RowError> for WaveliftError {
+    fn from(error: RowError) -> Self {
+        match error {
+            RowError::SampleOutOfRange { .. } => Self::SampleOutOfRange,
+            RowError::UnfinishedRow { .. } => Self::UnfinishedRow,
             _ => Self::Refused,
         }
     }

@@ -104,8 +104,9 @@ pub unsafe extern "C" fn wavelift_header_parse(
     // SAFETY: the caller promises as much.
     let mut loan = unsafe { Loan::new() };
     let mut parse = || {
-        let parsed = Header::parse(loan.read(bytes, bytes_len)?)?;
-        loan.put(header, WaveliftHeader::new(&parsed))
+        let header = loan.place(header)?;
+        header.put(WaveliftHeader::new(&Header::parse(loan.read(bytes, bytes_len)?)?));
+        Ok(())
     };
     code(parse())
 }
@@ -124,8 +125,9 @@ pub unsafe extern "C" fn wavelift_header_level(
     // SAFETY: the caller promises as much.
     let mut loan = unsafe { Loan::new() };
     let mut parse = || {
-        let parsed = Header::parse(loan.read(bytes, bytes_len)?)?;
-        loan.put(found, WaveliftLevel::new(&parsed, level)?)
+        let found = loan.place(found)?;
+        found.put(WaveliftLevel::new(&Header::parse(loan.read(bytes, bytes_len)?)?, level)?);
+        Ok(())
     };
     code(parse())
 }

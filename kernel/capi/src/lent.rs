@@ -8,6 +8,8 @@ use core::ops::Range;
 use core::slice;
 
 use crate::WaveliftError;
+#[cfg(feature = "rows")]
+use crate::state::Session;
 use crate::state::State;
 
 /// Samples and scratch: `wavelift_lent`.
@@ -40,12 +42,44 @@ unsafe impl Plain for usize {}
 /// Buffers of one call, at most.
 const MOST: usize = 8;
 
-/// What one call was lent so far, so that no two of its buffers overlap.
-pub(crate) struct Loan<'a> {
-    /// Addresses; those not yet lent are empty.
+/// Addresses of buffers, no two of which overlap.
+#[derive(Clone, Debug)]
+struct Ranges {
+    /// Those not yet lent are empty.
     lent: [Range<usize>; MOST],
     count: usize,
+}
+
+/// Memory for one value, which may hold none yet. Only [`Loan::place`] makes it.
+pub(crate) struct Place<'a, T> {
+    at: *mut T,
+    lender: PhantomData<&'a mut T>,
+}
+
+impl<T: Copy> Place<'_, T> {
+    /// Writes the value.
+    pub(crate) fn put(self, value: T) {
+        // SAFETY: neither NULL nor misaligned, so that it is writable, by the promise of `Loan::new`.
+        unsafe { self.at.write(value) };
+    }
+}
+
+/// What one call was lent so far.
+pub(crate) struct Loan<'a> {
+    ranges: Ranges,
     lender: PhantomData<&'a mut u8>,
+}
+
+/// What lies in memory that was lent for many calls, from the first to the last.
+#[cfg(feature = "rows")]
+#[derive(Debug)]
+#[repr(C)]
+pub(crate) struct Begun<T> {
+    /// [`Session::MARK`].
+    mark: u64,
+    /// What the first call was lent, this memory too.
+    ranges: Ranges,
+    value: T,
 }
 
 impl<'a> Loan<'a> {
@@ -56,7 +90,7 @@ impl<'a> Loan<'a> {
     /// type as it is given with, or to one. As long as `'a` these can be read, and written through a `*mut`, and
     /// nobody else writes to them.
     pub(crate) const unsafe fn new() -> Self {
-        Self { lent: [const { 0..0 }; MOST], count: 0, lender: PhantomData }
+        Self { ranges: Ranges { lent: [const { 0..0 }; MOST], count: 0 }, lender: PhantomData }
     }
 
     /// A copy of what `at` points to.
@@ -95,12 +129,10 @@ impl<'a> Loan<'a> {
         Ok(unsafe { &mut *at })
     }
 
-    /// Writes `value` where `at` points.
-    pub(crate) fn put<T: Copy>(&mut self, at: *mut T, value: T) -> Result<(), WaveliftError> {
+    /// A place for one value to be written later.
+    pub(crate) fn place<T: Copy>(&mut self, at: *mut T) -> Result<Place<'a, T>, WaveliftError> {
         self.take(at, 1)?;
-        // SAFETY: writable, as in `write`.
-        unsafe { at.write(value) };
-        Ok(())
+        Ok(Place { at, lender: PhantomData })
     }
 
     /// A state for the kernel to start afresh: what the memory held before has no meaning.
@@ -122,16 +154,52 @@ impl<'a> Loan<'a> {
         Ok((self.write(lent.samples, lent.samples_len)?, self.write(lent.scratch, lent.scratch_len)?))
     }
 
+    /// Begins what lasts for many calls, in the memory at `at`; `'static`, since what `value` borrows from this loan
+    /// is lent until the last of them.
+    #[cfg(feature = "rows")]
+    pub(crate) fn begin<S: Session>(
+        mut self,
+        at: *mut S,
+        value: impl FnOnce(&mut Self) -> Result<S::Of, WaveliftError>,
+    ) -> Result<(), WaveliftError>
+    where
+        Self: 'static,
+    {
+        self.take(at, 1)?;
+        // SAFETY: writable, as in `write`, and large enough for a number. It ends what was begun there before.
+        unsafe { at.cast::<u64>().write(0) };
+        let value = value(&mut self)?;
+        let begun = Begun { mark: S::MARK, ranges: self.ranges, value };
+        // SAFETY: writable, as above; `S` is as large and as aligned as `Begun<S::Of>`, asserted where it is declared.
+        unsafe { at.cast::<Begun<S::Of>>().write(begun) };
+        Ok(())
+    }
+
+    /// What was begun at `at`. Whatever else this loan is given must not overlap what was lent then.
+    #[cfg(feature = "rows")]
+    pub(crate) fn resume<S: Session>(&mut self, at: *mut S) -> Result<&'a mut S::Of, WaveliftError> {
+        address(at)?;
+        // SAFETY: readable, as in `read`, and every pattern of bits is a number.
+        if unsafe { at.cast::<u64>().read() } != S::MARK {
+            return Err(WaveliftError::NotBegun);
+        }
+        // SAFETY: writable, as in `write`. The mark is there, so `begin` left a value, and nobody else writes there.
+        let begun = unsafe { &mut *at.cast::<Begun<S::Of>>() };
+        self.ranges = begun.ranges.clone();
+        Ok(&mut begun.value)
+    }
+
     /// Notes that `len` elements at `at` are lent, if they can be.
     fn take<T>(&mut self, at: *const T, len: usize) -> Result<(), WaveliftError> {
+        let Ranges { lent, count } = &mut self.ranges;
         let start = address(at)?;
         let bytes = len.checked_mul(size_of::<T>()).filter(|bytes| isize::try_from(*bytes).is_ok());
         let end = bytes.and_then(|bytes| start.checked_add(bytes)).ok_or(WaveliftError::TooLong)?;
-        if self.lent.iter().any(|lent| start < lent.end && lent.start < end) {
+        if lent.iter().any(|lent| start < lent.end && lent.start < end) {
             return Err(WaveliftError::Overlap);
         }
-        *self.lent.get_mut(self.count).ok_or(WaveliftError::Refused)? = start..end;
-        self.count = self.count.saturating_add(1);
+        *lent.get_mut(*count).ok_or(WaveliftError::Refused)? = start..end;
+        *count = count.saturating_add(1);
         Ok(())
     }
 }

@@ -28,6 +28,8 @@ mod error;
 mod header;
 mod lent;
 mod plan;
+#[cfg(feature = "rows")]
+mod rows;
 mod state;
 
 pub use decode::{wavelift_decode, wavelift_decode_dense, wavelift_decode_near};
@@ -43,9 +45,21 @@ pub use plan::{
     WaveliftPlan, wavelift_dense_scratch_len, wavelift_max_encoded_len, wavelift_max_levels,
     wavelift_near_scratch_len, wavelift_plan_check, wavelift_samples_len, wavelift_scratch_len,
 };
+#[cfg(feature = "rows")]
+pub use rows::{
+    WaveliftRowPlan, WaveliftStatus, WaveliftStep, wavelift_row_decoder_begin,
+    wavelift_row_decoder_memory_len, wavelift_row_decoder_step, wavelift_row_encoder_begin,
+    wavelift_row_encoder_finish, wavelift_row_encoder_memory_len, wavelift_row_encoder_step,
+    wavelift_row_header_parse,
+};
 pub use state::{
     WaveliftCodec, WaveliftDense, WaveliftLattice, WaveliftTraining, wavelift_codec_size,
     wavelift_dense_size, wavelift_lattice_size, wavelift_training_size,
+};
+#[cfg(feature = "rows")]
+pub use state::{
+    WaveliftRowCodec, WaveliftRowDecoder, WaveliftRowEncoder, wavelift_row_codec_size,
+    wavelift_row_decoder_size, wavelift_row_encoder_size,
 };
 
 /// Never called by the kernel; a program of Rust brings its own.

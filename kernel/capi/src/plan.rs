@@ -25,14 +25,14 @@ impl WaveliftPlan {
     pub(crate) fn new(plan: Plan, wavelet: Option<Wavelet>, sample_type: SampleType) -> Self {
         Self {
             extent: plan.extent().axes(),
-            wavelet: number(&Wavelet::ALL, wavelet, 1),
+            wavelet: wavelet_number(wavelet),
             levels: plan.levels(),
-            sample_type: number(&SampleType::ALL, Some(sample_type), 0),
+            sample_type: sample_type_number(sample_type),
         }
     }
 
     pub(crate) fn sample_type(&self) -> Result<SampleType, WaveliftError> {
-        SampleType::ALL.get(usize::from(self.sample_type)).copied().ok_or(WaveliftError::UnknownSampleType)
+        sample_type(self.sample_type)
     }
 
     pub(crate) fn extent(&self) -> Result<Extent, WaveliftError> {
@@ -43,12 +43,32 @@ impl WaveliftPlan {
     pub(crate) fn check(&self) -> Result<Plan, WaveliftError> {
         let extent = self.extent()?;
         self.sample_type()?;
-        let wavelet = match self.wavelet {
-            0 if self.levels == 0 => Some(Wavelet::Haar),
-            number => usize::from(number).checked_sub(1).and_then(|index| Wavelet::ALL.get(index).copied()),
-        };
-        Ok(Plan::new(wavelet.ok_or(WaveliftError::UnknownWavelet)?, extent, self.levels)?)
+        Ok(Plan::new(wavelet(self.wavelet, self.levels)?, extent, self.levels)?)
     }
+}
+
+/// The type of a number.
+pub(crate) fn sample_type(number: u8) -> Result<SampleType, WaveliftError> {
+    SampleType::ALL.get(usize::from(number)).copied().ok_or(WaveliftError::UnknownSampleType)
+}
+
+/// The wavelet of a number; any without levels.
+pub(crate) fn wavelet(number: u8, levels: u8) -> Result<Wavelet, WaveliftError> {
+    let wavelet = match number {
+        0 if levels == 0 => Some(Wavelet::Haar),
+        number => usize::from(number).checked_sub(1).and_then(|index| Wavelet::ALL.get(index).copied()),
+    };
+    wavelet.ok_or(WaveliftError::UnknownWavelet)
+}
+
+/// The number of a wavelet; 0 for none.
+pub(crate) fn wavelet_number(wavelet: Option<Wavelet>) -> u8 {
+    number(&Wavelet::ALL, wavelet, 1)
+}
+
+/// The number of a type.
+pub(crate) fn sample_type_number(sample_type: SampleType) -> u8 {
+    number(&SampleType::ALL, Some(sample_type), 0)
 }
 
 /// The place of `one` in `all`, counted from `first`; 0 for none.

@@ -2,7 +2,12 @@
 
 use core::mem::{MaybeUninit, zeroed};
 
+#[cfg(feature = "rows")]
+use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder};
 use wavelift_kernel::{Codec, Dense, Lattice, Training};
+
+#[cfg(feature = "rows")]
+use crate::lent::Begun;
 
 /// Memory for a state of the kernel.
 pub(crate) trait State: Sized {
@@ -14,7 +19,17 @@ pub(crate) trait State: Sized {
     const ZERO: Self::Of;
 }
 
-macro_rules! state {
+/// Memory for what lasts from call to call.
+#[cfg(feature = "rows")]
+pub(crate) trait Session: Sized {
+    /// What lasts.
+    type Of;
+
+    /// A number that memory does not hold by chance, and that tells which kind of session began there.
+    const MARK: u64;
+}
+
+macro_rules! memory {
     ($(#[$doc:meta])* $name:ident($words:literal) of $kernel:ty) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -32,14 +47,34 @@ macro_rules! state {
         const _: () = {
             assert!(size_of::<$kernel>() <= size_of::<$name>(), "the state has grown: change the header");
             assert!(align_of::<$kernel>() <= align_of::<$name>());
+            // An eighth is left for what is to come; where words are shorter, states are too.
             let spare = size_of::<$name>().saturating_sub(size_of::<$kernel>());
-            assert!(usize::BITS < 64 || spare < size_of::<u64>(), "the state has shrunk: change the header");
+            let most = (size_of::<$kernel>() / 8).saturating_add(size_of::<u64>());
+            assert!(usize::BITS < 64 || spare <= most, "the state has shrunk: change the header");
         };
+    };
+}
+
+macro_rules! state {
+    ($(#[$doc:meta])* $name:ident($words:literal) of $kernel:ty) => {
+        memory! { $(#[$doc])* $name($words) of $kernel }
 
         impl State for $name {
             type Of = $kernel;
             // SAFETY: zeros are a value of the type: the compiler evaluates the constant, and refuses it if not.
             const ZERO: Self::Of = unsafe { zeroed() };
+        }
+    };
+}
+
+#[cfg(feature = "rows")]
+macro_rules! session {
+    ($(#[$doc:meta])* $name:ident($words:literal) of $kernel:ty, $mark:literal) => {
+        memory! { $(#[$doc])* $name($words) of Begun<$kernel> }
+
+        impl Session for $name {
+            type Of = $kernel;
+            const MARK: u64 = u64::from_le_bytes(*$mark);
         }
     };
 }
@@ -59,6 +94,21 @@ state! {
 state! {
     /// Memory of [`Lattice`]: `wavelift_lattice`.
     WaveliftLattice(2866) of Lattice
+}
+#[cfg(feature = "rows")]
+state! {
+    /// Memory of [`RowCodec`]: `wavelift_row_codec`.
+    WaveliftRowCodec(706) of RowCodec
+}
+#[cfg(feature = "rows")]
+session! {
+    /// Memory of [`RowEncoder`]: `wavelift_row_encoder`.
+    WaveliftRowEncoder(160) of RowEncoder<'static>, b"wRowsEnc"
+}
+#[cfg(feature = "rows")]
+session! {
+    /// Memory of [`RowDecoder`]: `wavelift_row_decoder`.
+    WaveliftRowDecoder(288) of RowDecoder<'static>, b"wRowsDec"
 }
 
 /// Bytes of [`WaveliftCodec`], for callers that do not read the header.
@@ -83,4 +133,25 @@ pub extern "C" fn wavelift_dense_size() -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn wavelift_lattice_size() -> usize {
     size_of::<WaveliftLattice>()
+}
+
+/// Bytes of [`WaveliftRowCodec`].
+#[cfg(feature = "rows")]
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_row_codec_size() -> usize {
+    size_of::<WaveliftRowCodec>()
+}
+
+/// Bytes of [`WaveliftRowEncoder`].
+#[cfg(feature = "rows")]
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_row_encoder_size() -> usize {
+    size_of::<WaveliftRowEncoder>()
+}
+
+/// Bytes of [`WaveliftRowDecoder`].
+#[cfg(feature = "rows")]
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_row_decoder_size() -> usize {
+    size_of::<WaveliftRowDecoder>()
 }

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use syn::{Expr, FnArg, Item, Lit, Pat, ReturnType, Type, Visibility};
 use wavelift_capi::{
-    WAVELIFT_MAX_HEADER_BYTES, WaveliftCodec, WaveliftDense, WaveliftError, WaveliftLattice, WaveliftTraining,
+    WAVELIFT_MAX_HEADER_BYTES, WaveliftCodec, WaveliftDense, WaveliftError, WaveliftLattice,
+    WaveliftRowCodec, WaveliftRowDecoder, WaveliftRowEncoder, WaveliftTraining,
 };
 use wavelift_kernel::{SampleType, Wavelet};
 
@@ -95,7 +96,7 @@ fn type_name(rust: &str) -> String {
     match rust {
         "c_char" => "char".to_owned(),
         "usize" => "size_t".to_owned(),
-        "u8" | "u32" | "u64" => format!("uint{}_t", &rust[1..]),
+        "u8" | "u16" | "u32" | "u64" => format!("uint{}_t", &rust[1..]),
         "i32" => "int32_t".to_owned(),
         other => snake(other),
     }
@@ -175,6 +176,9 @@ fn of_macros() -> Vec<String> {
         ("training", WaveliftTraining::WORDS),
         ("dense", WaveliftDense::WORDS),
         ("lattice", WaveliftLattice::WORDS),
+        ("row_codec", WaveliftRowCodec::WORDS),
+        ("row_encoder", WaveliftRowEncoder::WORDS),
+        ("row_decoder", WaveliftRowDecoder::WORDS),
     ];
     let states = states.into_iter().flat_map(|(name, words)| {
         let constant = format!("WAVELIFT_{}_WORDS", name.to_uppercase());
@@ -242,6 +246,9 @@ fn the_header_and_the_readme_tell_the_bytes_of_states() {
         size_of::<WaveliftTraining>(),
         size_of::<WaveliftDense>(),
         size_of::<WaveliftLattice>(),
+        size_of::<WaveliftRowCodec>(),
+        size_of::<WaveliftRowEncoder>(),
+        size_of::<WaveliftRowDecoder>(),
     ];
     for bytes in states {
         let told = format!("{},{:03}", bytes / 1000, bytes % 1000);
