@@ -6,5 +6,6 @@ pub mod inputs;
 pub mod lent;
 pub mod oracle;
 pub mod reference;
+pub mod slabs;
 pub mod streams;
 pub mod vectors;

@@ -3,7 +3,8 @@
 use conformance::corrupt::Damage;
 use conformance::inputs::Input;
 use conformance::oracle::noise::Noise;
-use wavelift_kernel::stream::{RowError, RowPlan, SlabDecoder, SlabEncoder, SlabMemory, SlabPlan, Status};
+use conformance::slabs::{Memory, decode, encode};
+use wavelift_kernel::stream::{RowError, RowPlan, SlabEncoder, SlabPlan, Status};
 use wavelift_kernel::{
     Codec, DecodeError, Extent, Header, LengthError, Malformed, Plan, PlanError, SampleType, Slice, Training,
     Wavelet,
@@ -12,72 +13,6 @@ use wavelift_kernel::{
 fn plan_of(axes: [u32; 3], levels: u8) -> SlabPlan {
     let extent = Extent::new(axes).expect("a small extent");
     SlabPlan::new(Wavelet::Linear, extent, levels, SampleType::I16).expect("a plan of slabs")
-}
-
-struct Memory {
-    samples: Vec<i32>,
-    scratch: Vec<i32>,
-    bytes: Vec<u8>,
-}
-
-impl Memory {
-    fn new(plan: &SlabPlan) -> Self {
-        let (samples, scratch) = (vec![0; plan.samples_len()], vec![0; plan.scratch_len()]);
-        Self { samples, scratch, bytes: vec![0; plan.bytes_len()] }
-    }
-
-    fn lend(&mut self) -> SlabMemory<'_> {
-        let Self { samples, scratch, bytes } = self;
-        SlabMemory { samples, scratch, bytes }
-    }
-}
-
-/// The stream of slices, made in pieces of so many elements.
-fn encode(plan: &SlabPlan, training: Option<&mut Training>, samples: &[i32], piece: usize) -> Vec<u8> {
-    let (mut memory, mut codec) = (Memory::new(plan), Codec::NEW);
-    let mut encoder = SlabEncoder::new(plan, &mut codec, training, memory.lend()).expect("memory for it");
-    let (mut rest, mut stream, mut output) = (samples, Vec::new(), vec![0; piece]);
-    loop {
-        let input = &rest[..piece.min(rest.len())];
-        let step = encoder.step(input, &mut output).expect("samples of the type");
-        stream.extend_from_slice(&output[..step.produced]);
-        rest = &rest[step.consumed..];
-        match step.status {
-            Status::NeedInput if rest.is_empty() => encoder.finish().expect("whole slices"),
-            Status::NeedInput => assert_eq!(step.consumed, input.len()),
-            Status::NeedOutput => assert_eq!(step.produced, piece),
-            Status::Done => return stream,
-        }
-    }
-}
-
-/// The samples of a stream, and how it ends.
-fn decode(stream: &[u8], piece: usize) -> (Vec<i32>, Result<usize, DecodeError>) {
-    let (plan, header) = match SlabPlan::parse(stream) {
-        Ok(parsed) => parsed,
-        Err(error) => return (Vec::new(), Err(error)),
-    };
-    if plan.samples_len() > 1 << 16 {
-        return (Vec::new(), Ok(usize::MAX));
-    }
-    let (mut memory, mut codec) = (Memory::new(&plan), Codec::NEW);
-    let mut decoder = SlabDecoder::new(&plan, &mut codec, memory.lend()).expect("memory for it");
-    let (mut rest, mut samples, mut output) = (&stream[header..], Vec::new(), vec![0; piece]);
-    loop {
-        let input = &rest[..piece.min(rest.len())];
-        let step = match decoder.step(input, &mut output) {
-            Ok(step) => step,
-            Err(error) => return (samples, Err(error)),
-        };
-        samples.extend_from_slice(&output[..step.produced]);
-        rest = &rest[step.consumed..];
-        match step.status {
-            Status::NeedInput if rest.is_empty() => return (samples, Err(DecodeError::Truncated)),
-            Status::NeedInput => assert_eq!(step.consumed, input.len()),
-            Status::NeedOutput => {}
-            Status::Done => return (samples, Ok(rest.len())),
-        }
-    }
 }
 
 fn waves(axes: [u32; 3]) -> Vec<i32> {

@@ -4,13 +4,13 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use crate::shell::Failures;
-use crate::{doc, fmt, lint, matrix, test, tidy, vectors};
+use crate::{doc, fmt, fuzz, lint, matrix, test, tidy, vectors};
 
 /// Name and check.
 type Step = (&'static str, fn() -> Failures);
 
 /// The steps in the order they run: cheap ones first.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     ("tidy", tidy::run),
     ("fmt", || fmt::run(false)),
     ("lint", lint::run),
@@ -18,6 +18,7 @@ const STEPS: [Step; 7] = [
     ("matrix", matrix::run),
     ("doc", doc::run),
     ("vectors", || vectors::run(&[])),
+    ("fuzz", || fuzz::run(&fuzz::Options::default())),
 ];
 
 struct Outcome {

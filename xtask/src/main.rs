@@ -8,6 +8,7 @@ mod bench;
 mod ci;
 mod doc;
 mod fmt;
+mod fuzz;
 mod lint;
 mod matrix;
 mod shell;
@@ -57,6 +58,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// Fuzz targets of tests/fuzz, each from its committed corpus
+    Fuzz(fuzz::Options),
     /// Size, speed and memory, with rival codecs where Python has them
     Bench(bench::Options),
 }
@@ -77,6 +80,7 @@ fn main() -> ExitCode {
         Command::Matrix { list_targets: false } => matrix::run(),
         Command::Doc => doc::run(),
         Command::Vectors { arguments } => vectors::run(&arguments),
+        Command::Fuzz(options) => fuzz::run(&options),
         Command::Bench(options) => bench::run(&options),
     };
     for failure in &failures {
