@@ -13,6 +13,8 @@ mod duchaineau;
 pub mod generalized;
 mod haar;
 mod halves;
+#[cfg(test)]
+mod inverts;
 mod linear;
 mod nearest;
 mod quadratic;
