@@ -4,6 +4,7 @@ pub mod corrupt;
 pub mod effort;
 pub mod inputs;
 pub mod lent;
+pub mod mutation;
 pub mod oracle;
 pub mod reference;
 pub mod slabs;

@@ -59,7 +59,6 @@ pub fn encode(plan: &SlabPlan, training: Option<&mut Training>, samples: &[i32],
 /// # Panics
 ///
 /// If the decoder says what it must not.
-#[must_use]
 pub fn decode(stream: &[u8], piece: usize) -> (Vec<i32>, Result<usize, DecodeError>) {
     let (plan, header) = match SlabPlan::parse(stream) {
         Ok(parsed) => parsed,

@@ -4,6 +4,7 @@ use conformance::corrupt::Damage;
 use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::{Lent, decode, encode};
+use conformance::mutation;
 use conformance::oracle::coder::{self, Predictor};
 use conformance::oracle::noise::Noise;
 use wavelift_kernel::{
@@ -109,7 +110,7 @@ fn some_have_weights_and_some_have_none() {
 fn damage_anywhere_is_survived() {
     let (cases, noticed) = inflict(1, 600);
     println!("{cases} damaged codestreams, {noticed} noticed");
-    assert_eq!(cases, 50_400);
+    assert_eq!(cases, 64_800);
     assert!(
         noticed > cases / 4,
         "only {noticed} of {cases} noticed: the damage does not reach the decoder's checks"
@@ -216,4 +217,12 @@ fn extents_beyond_the_largest_are_malformed() {
             "{axes:?}"
         );
     }
+}
+
+/// A million by `cargo xtask fuzz mutate`.
+#[test]
+fn golden_streams_survive_damage() {
+    let tally = mutation::run(7, 20_000).expect("the golden data");
+    println!("{tally}");
+    assert!(tally.noticed > tally.cases / 4 && tally.noticed < tally.cases, "{tally}");
 }

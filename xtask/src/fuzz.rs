@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use clap::Args;
 
-use crate::shell::{Failures, cargo_program, output};
+use crate::shell::{Failures, cargo, cargo_program, output};
 
 /// The package, a workspace of its own.
 const PACKAGE: &str = "tests/fuzz";
@@ -32,7 +32,7 @@ const COUNTERS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-l
 
 #[derive(Args, Clone)]
 pub(crate) struct Options {
-    /// The target to run: decode, header, roundtrip, step or container; all of them without one
+    /// decode, header, roundtrip, step or container; all of them without one. `mutate` damages golden streams
     target: Option<String>,
     /// Seconds for each target
     #[arg(long, default_value_t = 10)]
@@ -40,16 +40,22 @@ pub(crate) struct Options {
     /// Add the fewest inputs of at most 600 bytes that reach new branches to tests/fuzz/corpus
     #[arg(long)]
     keep: bool,
+    /// Streams that `mutate` damages
+    #[arg(long, default_value_t = 1_000_000)]
+    count: u64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { target: None, seconds: 10, keep: false }
+        Self { target: None, seconds: 10, keep: false, count: 0 }
     }
 }
 
 /// Builds all that is asked for, then runs one target after another.
 pub(crate) fn run(options: &Options) -> Failures {
+    if options.target.as_deref() == Some("mutate") {
+        return mutate(options.count);
+    }
     let asked = |name: &str| options.target.as_deref().is_none_or(|target| target == name);
     let targets: Vec<_> = TARGETS.into_iter().filter(|(name, _)| asked(name)).collect();
     if targets.is_empty() {
@@ -60,6 +66,12 @@ pub(crate) fn run(options: &Options) -> Failures {
         Err(error) => return vec![error],
     };
     targets.iter().filter_map(|(name, seeds)| fuzz(&programs, name, seeds, options).err()).collect()
+}
+
+/// Starts the program `mutate` of the conformance package, built as the tests are.
+fn mutate(count: u64) -> Failures {
+    let program = ["run", "--quiet", "--profile", "test", "--package", "conformance", "--bin", "mutate"];
+    cargo(&[&program[..], &["--", "--count", &count.to_string()]].concat())
 }
 
 /// Builds `targets`; returns the folder of their programs.
