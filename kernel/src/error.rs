@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::Feature;
+
 /// The caller asked for a transform that does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -19,6 +21,8 @@ pub enum PlanError {
         /// The most levels this extent allows.
         max: u8,
     },
+    /// This build cannot: it was made without that part.
+    NotBuilt(Feature),
 }
 
 /// Which lent slice a [`LengthError`] speaks of.
@@ -33,6 +37,8 @@ pub enum Slice {
     Low,
     /// Wavelet coefficients of a line.
     High,
+    /// Bytes of a codestream.
+    Bytes,
     /// Vertices of a mesh that a lift updates from all others: v in an s-lift, f in a w-lift.
     Corners,
     /// Vertices of a mesh in the middle of edges: e.
@@ -67,6 +73,8 @@ pub enum EncodeError {
     },
     /// The output is too short; its contents are meaningless, and the samples are what they were.
     OutputFull,
+    /// This build cannot: it was made without that part; samples and output are untouched.
+    NotBuilt(Feature),
 }
 
 /// Why a codestream could not be decoded.
@@ -99,6 +107,8 @@ pub enum DecodeError {
     },
     /// The codestream is dense and no [`Dense`](crate::Dense) was lent: the caller's fault, not the data's.
     NeedsDense,
+    /// This build cannot: it was made without that part. Other builds can, and nothing is wrong with the data so far.
+    NotBuilt(Feature),
 }
 
 /// The rule of the format that a codestream breaks; see `docs/codestream.md`.
@@ -120,6 +130,8 @@ pub enum Malformed {
     Segment,
     /// A decoded sample lies outside the declared type.
     Sample,
+    /// A slab is longer than its samples need, is not one codestream, or is none of what the stream says it is made of.
+    Slab,
 }
 
 /// Why a generalized lift of a line ([`lifting::generalized`](crate::lifting::generalized)) or of a mesh
@@ -193,6 +205,7 @@ impl fmt::Display for PlanError {
             Self::ZeroExtent { axis } => write!(f, "axis {axis} has no samples"),
             Self::ExtentTooLarge => f.write_str("the extent has 2^31 samples or more"),
             Self::TooManyLevels { max } => write!(f, "the extent allows at most {max} levels"),
+            Self::NotBuilt(part) => not_built(*part, f),
         }
     }
 }
@@ -204,6 +217,7 @@ impl fmt::Display for Slice {
             Self::Scratch => "scratch",
             Self::Low => "scaling coefficients",
             Self::High => "wavelet coefficients",
+            Self::Bytes => "bytes",
             Self::Corners => "corners",
             Self::Edges => "edges",
             Self::Centres => "centres",
@@ -244,6 +258,7 @@ impl fmt::Display for EncodeError {
             Self::Length(error) => error.fmt(f),
             Self::SampleOutOfRange { index } => write!(f, "sample {index} is outside the declared type"),
             Self::OutputFull => f.write_str("the output is too short"),
+            Self::NotBuilt(part) => not_built(*part, f),
         }
     }
 }
@@ -260,6 +275,7 @@ impl fmt::Display for DecodeError {
             Self::Length(error) => error.fmt(f),
             Self::LevelOutOfRange { max } => write!(f, "the coarsest level of the codestream is {max}"),
             Self::NeedsDense => f.write_str("a dense codestream, to be decoded with the memory for it"),
+            Self::NotBuilt(part) => not_built(*part, f),
         }
     }
 }
@@ -274,8 +290,13 @@ impl fmt::Display for Malformed {
             Self::StoredLength => "malformed codestream: stored samples of the wrong length",
             Self::Segment => "malformed codestream: segment not as an encoder ends it",
             Self::Sample => "malformed codestream: sample outside its type",
+            Self::Slab => "malformed stream: slab not as the header says",
         })
     }
+}
+
+fn not_built(part: Feature, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write!(f, "built without the feature {part}")
 }
 
 impl core::error::Error for PlanError {}

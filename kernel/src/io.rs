@@ -1,11 +1,20 @@
 //! Codestreams to and from `embedded_io` writers and readers (feature `embedded-io`).
 //!
-//! The codec itself works on memory; these adapters carry whole codestreams between memory and a device.
+//! The codec itself works on memory; these adapters carry whole codestreams between memory and a device, and streams
+//! of rows or slabs ([`crate::stream`]) sample by sample.
 
 use core::fmt;
 
+#[cfg(feature = "stream")]
+mod stream;
+
 pub use embedded_io;
 use embedded_io::{Read, Write};
+
+#[cfg(feature = "stream")]
+pub use stream::{
+    SampleReader, SampleWriteError, SampleWriter, StreamDecoder, StreamEncoder, read_row_plan, read_slab_plan,
+};
 
 use crate::{DecodeError, Header};
 

@@ -34,6 +34,7 @@ mod coder;
 pub mod codestream;
 mod error;
 mod extent;
+mod feature;
 #[cfg(feature = "embedded-io")]
 pub mod io;
 pub mod lifting;
@@ -43,14 +44,17 @@ pub mod metric;
 pub mod record;
 mod sample;
 pub mod stencil;
+#[cfg(feature = "stream")]
+pub mod stream;
 pub mod transform;
 
-pub use coder::{Dense, Lattice, Training};
+pub use coder::{Dense, Lattice, Training, bits};
 pub use codestream::{Codec, Effort, Header, Near, max_encoded_len};
 pub use error::{
     AdjacencyError, DecodeError, EncodeError, LengthError, LiftError, Malformed, PlanError, Slice,
 };
 pub use extent::Extent;
+pub use feature::Feature;
 pub use lifting::Wavelet;
 pub use sample::SampleType;
 pub use transform::Plan;

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::ops::Range;
 
 /// Copies as many elements as both have.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
     for (to, &from) in to.iter_mut().zip(from) {
         *to = from;

@@ -92,7 +92,7 @@ impl SampleType {
 
     /// The type of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|sample_type| sample_type.code() == code)
+        Self::ALL.iter().copied().find(|sample_type| sample_type.code() == code)
     }
 }
 

@@ -19,12 +19,25 @@ pub enum Damage {
     Splice,
     /// The first bytes stay, all others are random.
     Randomize,
+    /// More bytes follow.
+    Extend,
+    /// Two parts of it have changed places.
+    Swap,
 }
 
 impl Damage {
     /// Every way.
-    pub const ALL: [Self; 7] =
-        [Self::Flip, Self::Set, Self::Truncate, Self::Insert, Self::Remove, Self::Splice, Self::Randomize];
+    pub const ALL: [Self; 9] = [
+        Self::Flip,
+        Self::Set,
+        Self::Truncate,
+        Self::Insert,
+        Self::Remove,
+        Self::Splice,
+        Self::Randomize,
+        Self::Extend,
+        Self::Swap,
+    ];
 
     /// Damages `bytes`, which are not empty; `other` is where a splice goes on.
     pub fn inflict(self, bytes: &mut Vec<u8>, other: &[u8], noise: &mut Noise) {
@@ -56,6 +69,12 @@ impl Damage {
                 bytes.extend_from_slice(&other[below(noise, other.len())..]);
             }
             Self::Randomize => bytes[at..].fill_with(|| noise.bits() as u8),
+            Self::Extend => bytes.extend((0..=below(noise, 40)).map(|_| byte(noise))),
+            Self::Swap => {
+                let middle = at + below(noise, bytes.len() - at);
+                let end = middle + below(noise, bytes.len() - middle);
+                bytes[at..end].rotate_left(middle - at);
+            }
         }
     }
 }

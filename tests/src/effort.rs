@@ -7,6 +7,8 @@ use wavelift_kernel::{Dense, Effort as Lending, Training};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Effort {
+    /// Predictions and tables that the codestream brings.
+    Tabled,
     /// Predictors without weights.
     Fast,
     /// Predictors trained on the samples.
@@ -17,11 +19,12 @@ pub enum Effort {
 
 impl Effort {
     /// Every effort whose codestreams `Codec::decode` decodes.
-    pub const ALL: [Self; 2] = [Self::Fast, Self::Default];
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Tabled];
 
     /// Runs with the effort as the kernel has it, and new memory to train in.
     pub fn lend<T>(self, run: impl FnOnce(Lending<'_>) -> T) -> T {
         match self {
+            Self::Tabled => run(Lending::Tabled),
             Self::Fast => run(Lending::Fast),
             Self::Default => run(Lending::Default(&mut { Training::NEW })),
             Self::Dense => run(Lending::Dense(&mut Box::new(Dense::NEW), &mut { Training::NEW })),

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
+use wavelift_kernel::stream::{RowPlan, SlabPlan};
 use wavelift_kernel::{
     Codec, DecodeError, Extent, Header, LengthError, Near, Plan, SampleType, Slice, Wavelet,
 };
@@ -14,6 +15,8 @@ use wavelift_kernel::{
 use crate::effort::Effort;
 use crate::inputs::{Input, positions};
 use crate::lent;
+use crate::slabs;
+use crate::streams::{self, Pieces};
 
 /// Samples that a vector may claim to hold; a larger claim is refused before memory is taken for it.
 const MAX_SAMPLES: usize = 1 << 20;
@@ -58,7 +61,7 @@ pub struct Data {
 pub struct Vector {
     /// Unique name; the name of the file without its ending.
     pub id: String,
-    /// From the folder of the manifest, in `v2/`, `handmade/` or `reject/`.
+    /// From the folder of the manifest, in `v2/`, `streams/`, `handmade/` or `reject/`.
     pub file: String,
     /// Checksum of the file; absent until the file is added.
     pub sha256: Option<String>,
@@ -90,6 +93,10 @@ pub enum Recipe {
     Coded(Coded),
     /// As a lattice.
     Lattice(Nearness),
+    /// Row by row.
+    Rows(Rows),
+    /// Slice by slice, in slabs.
+    Slabs(Slabs),
 }
 
 /// Effort, wavelet, extent, levels and type of a recipe.
@@ -123,6 +130,59 @@ pub struct Nearness {
     pub sample_type: SampleType,
 }
 
+/// A recipe of a stream of rows.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rows {
+    /// Rows of a strip.
+    pub strip: u16,
+    /// By its name.
+    #[serde(deserialize_with = "wavelet")]
+    pub wavelet: Wavelet,
+    /// Samples per axis.
+    pub extent: [u32; 3],
+    /// Levels of the transform.
+    pub levels: u8,
+    /// Type of the samples.
+    #[serde(rename = "type", deserialize_with = "sample_type")]
+    pub sample_type: SampleType,
+}
+
+/// A recipe of a stream of slabs.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slabs {
+    /// Slices of a slab.
+    pub slab: u32,
+    /// By its name.
+    #[serde(deserialize_with = "wavelet")]
+    pub wavelet: Wavelet,
+    /// Samples per axis.
+    pub extent: [u32; 3],
+    /// Levels of the transform.
+    pub levels: u8,
+    /// Type of the samples.
+    #[serde(rename = "type", deserialize_with = "sample_type")]
+    pub sample_type: SampleType,
+}
+
+impl Rows {
+    fn encode(&self, samples: &[i32]) -> Result<Vec<u8>, String> {
+        let plan = RowPlan::new(self.wavelet, self.extent[0], self.levels, self.sample_type);
+        let plan = plan.map_err(|error| error.to_string())?.with_strip(self.strip);
+        Ok(streams::encode(&plan, samples, Pieces::Whole))
+    }
+}
+
+impl Slabs {
+    fn encode(&self, samples: &[i32]) -> Result<Vec<u8>, String> {
+        let [x, y, _] = self.extent;
+        let extent = Extent::brick(x, y, self.slab).map_err(|error| error.to_string())?;
+        let plan = SlabPlan::new(self.wavelet, extent, self.levels, self.sample_type);
+        Ok(slabs::encode(&plan.map_err(|error| error.to_string())?, None, samples, 1 << 12))
+    }
+}
+
 impl Recipe {
     /// Samples per axis.
     #[must_use]
@@ -130,6 +190,8 @@ impl Recipe {
         match self {
             Self::Coded(coded) => coded.extent,
             Self::Lattice(lattice) => lattice.extent,
+            Self::Rows(rows) => rows.extent,
+            Self::Slabs(slabs) => slabs.extent,
         }
     }
 
@@ -139,6 +201,8 @@ impl Recipe {
         match self {
             Self::Coded(coded) => coded.sample_type,
             Self::Lattice(lattice) => lattice.sample_type,
+            Self::Rows(rows) => rows.sample_type,
+            Self::Slabs(slabs) => slabs.sample_type,
         }
     }
 
@@ -146,7 +210,7 @@ impl Recipe {
     #[must_use]
     pub const fn slack(&self) -> u32 {
         match self {
-            Self::Coded(_) => 0,
+            Self::Coded(_) | Self::Rows(_) | Self::Slabs(_) => 0,
             Self::Lattice(lattice) => lattice.slack,
         }
     }
@@ -171,6 +235,8 @@ impl Recipe {
             Self::Lattice(Nearness { slack, .. }) => {
                 Ok(lent::encode_near(Near { extent, sample_type, slack: *slack }, samples))
             }
+            Self::Rows(rows) => rows.encode(samples),
+            Self::Slabs(slabs) => slabs.encode(samples),
         }
     }
 }
@@ -319,12 +385,31 @@ pub fn outcome(bytes: &[u8]) -> Expect {
 ///
 /// Those of [`lent::decode_any`].
 pub fn decode(bytes: &[u8]) -> Result<Vec<i32>, DecodeError> {
+    if bytes.starts_with(b"wS") {
+        return decode_stream(bytes);
+    }
     let header = Header::parse(bytes)?;
     let expected = header.samples_len(0);
     if expected > MAX_SAMPLES {
         return Err(DecodeError::Length(LengthError { slice: Slice::Samples, expected, actual: 0 }));
     }
     lent::decode_any(bytes, 0, &header)
+}
+
+/// Decodes a stream of rows or slabs, after which nothing may follow.
+fn decode_stream(bytes: &[u8]) -> Result<Vec<i32>, DecodeError> {
+    let (samples, end) = match RowPlan::parse(bytes) {
+        Err(DecodeError::OtherCodec) => slabs::decode(bytes, 1 << 12),
+        Ok((plan, _)) if plan.decoder_memory_len() > MAX_SAMPLES => {
+            let expected = plan.decoder_memory_len();
+            return Err(DecodeError::Length(LengthError { slice: Slice::Scratch, expected, actual: 0 }));
+        }
+        _ => streams::decode(bytes, MAX_SAMPLES, Pieces::Whole),
+    };
+    match end? {
+        0 => Ok(samples),
+        _ => Err(DecodeError::TrailingBytes),
+    }
 }
 
 /// CRC-32 (of zlib and PNG) of samples as little-endian `i32`, as eight hexadecimal digits.

@@ -4,6 +4,7 @@ use conformance::corrupt::Damage;
 use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::{Lent, decode, encode};
+use conformance::mutation;
 use conformance::oracle::coder::{self, Predictor};
 use conformance::oracle::noise::Noise;
 use wavelift_kernel::{
@@ -13,12 +14,16 @@ use wavelift_kernel::{
 /// Samples for which memory is lent when damage asks for it.
 const MOST_SAMPLES: usize = 1 << 14;
 
-/// One codestream each of the forms there are: coded, with trained weights and without, and stored, with levels and
+/// Where the storage is, and what it is of a tabled codestream.
+const TABLED: (usize, u8) = (3, 3);
+
+/// One codestream each of the forms there are: coded, with trained weights and without, tabled, and stored, with levels and
 /// without, of 1 to 3 axes.
 fn streams() -> Vec<(Vec<u8>, Header)> {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 100, offset: 128 };
     let noise = Input::Noise { bits: 8, offset: 0, seed: 5 };
     let faint = Input::Noise { bits: 6, offset: 0, seed: 5 };
+    let steps = Input::Steps { width: 40, height: 700, offset: 0 };
     let gentle = Input::Waves { periods: [64, 64, 64], amplitude: 25, offset: 0 };
     let cases = [
         (Effort::Fast, Wavelet::Haar, [7, 5, 3], 3, SampleType::U8, &waves),
@@ -33,6 +38,8 @@ fn streams() -> Vec<(Vec<u8>, Header)> {
         (Effort::Default, Wavelet::Linear, [16, 16, 16], 4, SampleType::U8, &Input::Constant { value: 9 }),
         (Effort::Default, Wavelet::Haar, [60, 50, 1], 0, SampleType::U8, &waves),
         (Effort::Default, Wavelet::Haar, [28, 28, 18], 1, SampleType::I32, &gentle),
+        (Effort::Tabled, Wavelet::Haar, [128, 128, 1], 0, SampleType::I8, &gentle),
+        (Effort::Tabled, Wavelet::Haar, [32, 32, 16], 0, SampleType::U16, &steps),
     ];
     let encoded = cases.map(|(effort, wavelet, axes, levels, sample_type, input)| {
         let extent = Extent::new(axes).expect("a small extent");
@@ -99,17 +106,19 @@ fn inflict(seed: u64, rounds: usize) -> (usize, usize) {
 #[test]
 fn some_have_weights_and_some_have_none() {
     let trained = streams().into_iter().filter(|(bytes, _)| {
-        let predictors = coder::predictors(bytes).expect("a codestream");
+        let predictors = coder::predictors(bytes).unwrap_or_default();
         predictors.iter().any(|predictor| matches!(predictor, Predictor::Weights(_)))
     });
     assert!((1..streams().len()).contains(&trained.count()));
+    let (storage, tabled) = TABLED;
+    assert_eq!(streams().iter().filter(|(bytes, _)| bytes[storage] == tabled).count(), 2);
 }
 
 #[test]
 fn damage_anywhere_is_survived() {
     let (cases, noticed) = inflict(1, 600);
     println!("{cases} damaged codestreams, {noticed} noticed");
-    assert_eq!(cases, 50_400);
+    assert_eq!(cases, 75_600);
     assert!(
         noticed > cases / 4,
         "only {noticed} of {cases} noticed: the damage does not reach the decoder's checks"
@@ -145,7 +154,7 @@ fn random_bytes_are_survived() {
         let mut bytes = vec![0; (noise.bits() % 64) as usize];
         bytes.fill_with(|| noise.bits() as u8);
         // The right magic, version and storage, more often than chance would have it.
-        let known = [0x77, 0x4C, 2, 0];
+        let known = [0x77, 0x4C, 2, if round % 2 == 0 { 0 } else { TABLED.1 }];
         bytes.iter_mut().zip(known).take(round % 5).for_each(|(byte, known)| *byte = known);
         survives(&mut codec, &bytes, &streams[round % streams.len()].1);
     }
@@ -216,4 +225,12 @@ fn extents_beyond_the_largest_are_malformed() {
             "{axes:?}"
         );
     }
+}
+
+/// A million by `cargo xtask fuzz mutate`.
+#[test]
+fn golden_streams_survive_damage() {
+    let tally = mutation::run(7, 20_000).expect("the golden data");
+    println!("{tally}");
+    assert!(tally.noticed > tally.cases / 4 && tally.noticed < tally.cases, "{tally}");
 }

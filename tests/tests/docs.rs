@@ -101,7 +101,11 @@ fn option<'a>(command: &'a str, name: &str) -> Option<&'a str> {
 
 /// Makes the file that a command reads, if neither an earlier command nor this function made it.
 fn provide(folder: &Path, command: &str, extent: [usize; 3]) {
-    let Some(name) = command.split_whitespace().nth(2).filter(|word| !word.starts_with('-')) else { return };
+    // `surface` has commands of its own.
+    let place = if command.contains(" surface ") { 3 } else { 2 };
+    let Some(name) = command.split_whitespace().nth(place).filter(|word| !word.starts_with('-')) else {
+        return;
+    };
     if folder.join(name).exists() {
         return;
     }

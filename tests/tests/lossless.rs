@@ -120,6 +120,41 @@ fn check(effort: Effort, plan: &Plan, sample_type: SampleType, samples: &[i32]) 
     (bytes, header)
 }
 
+/// Slices and bricks large enough for tables, of widths that states take turns in and of others.
+fn large_extent() -> impl Strategy<Value = Extent> {
+    let axes = prop_oneof![
+        [128..=140_u32, 128..=140, 1..=1],
+        [1..=1_u32, 128..=140, 128..=140],
+        [128..=140_u32, 1..=1, 128..=140],
+        [26..=30_u32, 26..=30, 26..=30],
+        [1..=5_u32, 100..=110, 164..=170],
+        [2048..=2060_u32, 2..=3, 4..=5],
+    ];
+    axes.prop_map(|axes| Extent::new(axes).expect("a small extent"))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 240,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(2),
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn what_is_tabled_comes_back(
+        extent in large_extent(),
+        sample_type in prop::sample::select(SampleType::ALL.as_slice()),
+        kind in 0..8_u32,
+        amount in any::<u8>(),
+        seed in any::<u64>(),
+    ) {
+        let plan = Plan::new(Wavelet::Haar, extent, 0).expect("a plan");
+        let samples = input(kind, sample_type, amount, seed).generate(extent).expect("a generator");
+        check(Effort::Tabled, &plan, sample_type, &samples);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 4000,

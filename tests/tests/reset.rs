@@ -26,7 +26,7 @@ fn sample(effort: Effort, wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &
     Sample { effort, plan, samples, bytes, header }
 }
 
-fn samples() -> [Sample; 6] {
+fn samples() -> [Sample; 7] {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 9000, offset: -1000 };
     let faint = Input::Waves { periods: [40, 1, 1], amplitude: 20, offset: 0 };
     [
@@ -60,6 +60,13 @@ fn samples() -> [Sample; 6] {
             0,
             &Input::Noise { bits: 6, offset: 0, seed: 5 },
         ),
+        sample(
+            Effort::Tabled,
+            Wavelet::Haar,
+            [26, 25, 27],
+            0,
+            &Input::Steps { width: 40, height: 700, offset: 0 },
+        ),
     ]
 }
 
@@ -83,6 +90,11 @@ fn a_codec_works_the_same_after_anything_that_succeeds() {
             check_like_new(&mut codec, next);
         }
     }
+}
+
+#[test]
+fn one_of_the_samples_is_tabled() {
+    assert!(samples().iter().any(|sample| sample.bytes[3] == 3));
 }
 
 #[test]

@@ -4,20 +4,25 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use crate::shell::Failures;
-use crate::{doc, fmt, lint, matrix, test, tidy, vectors};
+use crate::{browser, capi, device, doc, fmt, fuzz, lint, matrix, size, test, tidy, vectors};
 
 /// Name and check.
 type Step = (&'static str, fn() -> Failures);
 
 /// The steps in the order they run: cheap ones first.
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 12] = [
     ("tidy", tidy::run),
     ("fmt", || fmt::run(false)),
     ("lint", lint::run),
     ("test", test::run),
     ("matrix", matrix::run),
+    ("size", size::run),
+    ("device", device::run),
     ("doc", doc::run),
     ("vectors", || vectors::run(&[])),
+    ("capi", capi::run),
+    ("browser", browser::run),
+    ("fuzz", || fuzz::run(&fuzz::Options::default())),
 ];
 
 struct Outcome {

@@ -5,12 +5,19 @@
 //! `conformance` package, started from here.
 
 mod bench;
+mod browser;
+mod budget;
+mod capi;
 mod ci;
+mod device;
 mod doc;
 mod fmt;
+mod fuzz;
 mod lint;
 mod matrix;
 mod shell;
+mod size;
+mod table;
 mod test;
 mod tidy;
 mod vectors;
@@ -49,6 +56,14 @@ enum Command {
         #[arg(long)]
         list_targets: bool,
     },
+    /// Run firmware in QEMU: golden vectors, files for the host, instructions and stack
+    Device,
+    /// Link parts of the kernel alone and compare their flash with xtask/budgets.toml
+    Size {
+        /// Measure everything on the target, and print it as the table of kernel/README.md
+        #[arg(long)]
+        table: bool,
+    },
     /// rustdoc of every package; warnings are errors
     Doc,
     /// Golden data: check | add ID… | replace ID --because WHY
@@ -57,6 +72,12 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
+    /// The C library, and its example here, with sanitizers, and on an emulated Cortex-M4F
+    Capi,
+    /// The decoder in WebAssembly: its size, and a page in Node and headless Chromium
+    Browser,
+    /// Fuzz targets of tests/fuzz, each from its committed corpus
+    Fuzz(fuzz::Options),
     /// Size, speed and memory, with rival codecs where Python has them
     Bench(bench::Options),
 }
@@ -75,8 +96,14 @@ fn main() -> ExitCode {
         Command::Test => test::run(),
         Command::Matrix { list_targets: true } => matrix::list_targets(),
         Command::Matrix { list_targets: false } => matrix::run(),
+        Command::Device => device::run(),
+        Command::Size { table: false } => size::run(),
+        Command::Size { table: true } => table::run(),
         Command::Doc => doc::run(),
         Command::Vectors { arguments } => vectors::run(&arguments),
+        Command::Capi => capi::run(),
+        Command::Browser => browser::run(),
+        Command::Fuzz(options) => fuzz::run(&options),
         Command::Bench(options) => bench::run(&options),
     };
     for failure in &failures {

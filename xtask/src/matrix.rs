@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::shell::{Failures, cargo, output};
 use crate::workspace::{KERNEL, Workspace, feature_sets};
 
-/// Builds the kernel in release for each target, with no features, each feature alone, and all. A build,
+/// Builds the kernel in release for each target, with no features, each feature alone, each set, and all. A build,
 /// not a check: some errors appear only when code is generated.
 pub(crate) fn run() -> Failures {
     let matrix = match Workspace::members().and_then(|workspace| workspace.kernel_matrix()) {

@@ -1,10 +1,10 @@
 //! `cargo xtask test`.
 
 use crate::shell::{Failures, cargo};
-use crate::workspace::{KERNEL, Workspace};
+use crate::workspace::{KERNEL, Matrix, Workspace, feature_sets};
 
 /// `cargo test` for each package, so that no package leans on features that another one switches on; the
-/// kernel with no features and with all. Everything runs, whatever failed before.
+/// kernel as it comes and with all features, and what it refuses without some. Everything runs, whatever failed before.
 pub(crate) fn run() -> Failures {
     let workspace = match Workspace::members() {
         Ok(workspace) => workspace,
@@ -13,11 +13,20 @@ pub(crate) fn run() -> Failures {
     let mut failures = vec![];
     for package in &workspace.packages {
         if package.name == KERNEL {
-            failures.extend(test(KERNEL, &["--no-default-features"]));
+            failures.extend(test(KERNEL, &[]));
             failures.extend(test(KERNEL, &["--all-features"]));
         } else {
             failures.extend(test(&package.name, &[]));
         }
+    }
+    match workspace.kernel_matrix() {
+        Ok(matrix) => {
+            for features in feature_sets(&Matrix { features: vec![], ..matrix }) {
+                let features: Vec<&str> = features.iter().map(String::as_str).collect();
+                failures.extend(test(KERNEL, &[&["--test", "features"], &features[..]].concat()));
+            }
+        }
+        Err(error) => failures.push(error),
     }
     failures
 }

@@ -34,6 +34,9 @@ pub(crate) struct Metadata {
 pub(crate) struct Matrix {
     pub(crate) targets: Vec<String>,
     pub(crate) features: Vec<String>,
+    /// More sets of features, each built together.
+    #[serde(default)]
+    pub(crate) sets: Vec<Vec<String>>,
 }
 
 impl Workspace {
@@ -65,19 +68,25 @@ impl Workspace {
                 "kernel/Cargo.toml has no [package.metadata.matrix] with targets = […] and features = […]"
                     .to_owned()
             })?;
-        match matrix.features.iter().find(|feature| !kernel.features.contains_key(*feature)) {
+        match matrix
+            .features
+            .iter()
+            .chain(matrix.sets.iter().flatten())
+            .find(|feature| !kernel.features.contains_key(*feature))
+        {
             Some(feature) => Err(format!("kernel/Cargo.toml: the matrix names no such feature: {feature}")),
             None => Ok(matrix),
         }
     }
 }
 
-/// The feature sets of a matrix as arguments of cargo: none, each feature alone, all.
+/// The feature sets of a matrix as arguments of cargo: none, each feature alone, each set, all.
 pub(crate) fn feature_sets(matrix: &Matrix) -> Vec<Vec<String>> {
     let with = |features: String| vec!["--no-default-features".to_owned(), "--features".to_owned(), features];
     let mut sets = vec![vec!["--no-default-features".to_owned()]];
     sets.extend(matrix.features.iter().cloned().map(with));
-    sets.push(with(matrix.features.join(",")));
+    sets.extend(matrix.sets.iter().map(|set| with(set.join(","))));
+    sets.push(vec!["--all-features".to_owned()]);
     sets
 }
 
@@ -93,17 +102,18 @@ mod tests {
 
     const METADATA: &str = r#"{ "packages": [ { "name": "wavelift-kernel", "version": "1.0.0",
         "license": "MIT", "features": { "serde": [], "embedded-io": [] },
-        "metadata": { "matrix": { "targets": ["t"], "features": ["embedded-io", "serde"] } } } ] }"#;
+        "metadata": { "matrix": { "targets": ["t"], "features": ["embedded-io", "serde"], "sets": [["serde", "embedded-io"]] } } } ] }"#;
 
     #[test]
-    fn feature_sets_are_none_each_alone_and_all() {
+    fn feature_sets_are_none_each_alone_those_named_and_all() {
         let workspace: Workspace = serde_json::from_str(METADATA).unwrap();
         let sets = feature_sets(&workspace.kernel_matrix().unwrap());
-        let expected: [&[&str]; 4] = [
+        let expected: [&[&str]; 5] = [
             &["--no-default-features"],
             &["--no-default-features", "--features", "embedded-io"],
             &["--no-default-features", "--features", "serde"],
-            &["--no-default-features", "--features", "embedded-io,serde"],
+            &["--no-default-features", "--features", "serde,embedded-io"],
+            &["--all-features"],
         ];
         assert_eq!(sets, expected);
     }

@@ -9,6 +9,7 @@ mod info;
 mod input;
 mod output;
 mod progress;
+mod surface;
 mod tables;
 mod transform;
 mod verify;
@@ -41,6 +42,7 @@ enum Command {
     Verify(verify::Args),
     Tables(tables::Args),
     Transform(transform::Args),
+    Surface(surface::Args),
 }
 
 /// Does what the command line says.
@@ -52,6 +54,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Tables(args) => tables::run(&args),
         Command::Transform(args) => transform::run(&args),
+        Command::Surface(args) => surface::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -29,7 +29,7 @@ impl Coding {
             _ if self.form.slack().is_some() => &[Effort::Default],
             Effort::Fast => &[Effort::Fast],
             Effort::Default => &[Effort::Default],
-            Effort::Dense => &[Effort::Default, Effort::Dense],
+            Effort::Dense => &Effort::ALL,
         }
     }
 }

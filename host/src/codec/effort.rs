@@ -9,7 +9,7 @@ use wavelift_kernel::{Dense, Effort as KernelEffort, Training};
 /// How much work a volume is worth. Every effort is decoded by every reader, which need not be told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Effort {
-    /// Quickest: predictors that need no training.
+    /// Quickest: tables that suit a whole brick, and no transform unless one is asked for.
     Fast,
     /// Predictors trained on each brick, and lattices where samples may move.
     #[default]
@@ -44,7 +44,7 @@ impl Effort {
         dense: &'a mut Dense,
     ) -> KernelEffort<'a> {
         match self {
-            Self::Fast => KernelEffort::Fast,
+            Self::Fast => KernelEffort::Tabled,
             Self::Default => KernelEffort::Default(training),
             Self::Dense => KernelEffort::Dense(dense, training),
         }

@@ -60,9 +60,9 @@ impl Trial<'_> {
         let has_lattices = forms.iter().any(|coding| coding.form.slack().is_some());
         let best = self.smallest(forms, &self.pieces(if has_lattices { OF_LATTICES } else { OF_FORMS }))?;
         let rivals: Vec<Coding> = transforms.map(|other| self.coding(other, best.form.clone())).collect();
-        // Numbers of values mean nothing to a transform, a lattice has none, and dense coding is for none.
+        // Numbers of values mean nothing to a transform, a lattice has none, and tables and dense coding are for none.
         let is_untransformed = best.form.values().is_some() || best.form.slack().is_some();
-        let is_settled = is_untransformed || self.effort == Effort::Dense;
+        let is_settled = is_untransformed || self.effort != Effort::Default;
         if rivals.is_empty() || is_settled && first.wavelet.is_none() {
             return Ok(best);
         }

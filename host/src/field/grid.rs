@@ -48,4 +48,21 @@ impl Grid {
     pub fn cell_edge(&self) -> f64 {
         self.spacing.element_product().cbrt()
     }
+
+    /// Node (i, j, k), by its place in an array with x fastest: the inverse of [`Grid::index`].
+    pub const fn node(&self, index: usize) -> [usize; 3] {
+        let [width, height, _] = self.extent;
+        [index % width, index / width % height, index / (width * height)]
+    }
+
+    /// Places of the nodes one step away along an axis, 3 to 6 of them.
+    pub fn neighbours(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
+        let (node, extent) = (self.node(index), self.extent);
+        let strides = [1, extent[0], extent[0] * extent[1]];
+        (0..3).flat_map(move |axis| {
+            let before = (node[axis] > 0).then(|| index - strides[axis]);
+            let after = (node[axis] + 1 < extent[axis]).then(|| index + strides[axis]);
+            before.into_iter().chain(after)
+        })
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::Grid;
 use crate::mesh::Point;
-use crate::volume::{ElementType, Volume};
+use crate::volume::{ElementType, FileFormat, HeaderLine, Metadata, Volume};
 
 /// One number a node, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +42,8 @@ impl ScalarField {
     }
 
     /// The samples of a volume, rounded to `f32`, with the spacing that its file gives (1 where it gives none) and the
-    /// first sample at the origin.
+    /// first sample where it says (at zero where it says nothing). Axes are taken for those of space, whatever their
+    /// directions in the file.
     ///
     /// # Errors
     /// [`FieldError::NotFinite`].
@@ -55,7 +56,27 @@ impl ScalarField {
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             return Err(FieldError::NotFinite { index });
         }
-        Ok(Self::new(Grid { extent, origin: Point::ZERO, spacing }, values))
+        let origin = volume.metadata.origin().and_then(|origin| <[f64; 3]>::try_from(origin).ok());
+        Ok(Self::new(Grid { extent, origin: origin.map_or(Point::ZERO, Point::from_array), spacing }, values))
+    }
+
+    /// The values as a volume, whose metadata say where they lie.
+    pub fn to_volume(&self) -> Volume {
+        let Grid { extent, origin, spacing } = self.grid;
+        let mut metadata = Metadata::plain(3, FileFormat::Nrrd);
+        let field = |name: &str, value| HeaderLine::Field { name: name.to_owned(), value };
+        let axis = |axis: usize| {
+            let mut direction = [0.0; 3];
+            direction[axis] = spacing[axis];
+            vector(direction)
+        };
+        metadata.lines = vec![
+            field("space dimension", "3".to_owned()),
+            field("space directions", [0, 1, 2].map(axis).join(" ")),
+            field("space origin", vector(origin.to_array())),
+        ];
+        let samples = self.values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        Volume { extent: extent.map(|axis| axis as u64), element: ElementType::F32, samples, metadata }
     }
 
     /// Where the values lie.
@@ -72,6 +93,11 @@ impl ScalarField {
     pub fn at(&self, node: [usize; 3]) -> f32 {
         self.values[self.grid.index(node)]
     }
+}
+
+/// A vector as NRRD writes it, with all digits.
+fn vector([x, y, z]: [f64; 3]) -> String {
+    format!("({x},{y},{z})")
 }
 
 /// Little-endian samples as numbers.
@@ -98,7 +124,6 @@ fn numbers(element: ElementType, samples: &[u8]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{FileFormat, Metadata};
 
     #[test]
     fn volumes_become_fields() {
@@ -110,6 +135,17 @@ mod tests {
         assert_eq!(field.at([0, 1, 0]), 3.0);
         volume.samples[8..16].copy_from_slice(&f64::NAN.to_le_bytes());
         assert_eq!(ScalarField::from_volume(&volume), Err(FieldError::NotFinite { index: 1 }));
+    }
+
+    #[test]
+    fn fields_come_back_from_volumes() {
+        let grid = Grid {
+            extent: [3, 2, 2],
+            origin: Point::new(0.1, -7.0, 1e-9),
+            spacing: Point::new(0.3, 2.0, 1.0),
+        };
+        let field = ScalarField::from_function(grid, |point| point.x * point.y - point.z);
+        assert_eq!(ScalarField::from_volume(&field.to_volume()), Ok(field));
     }
 
     #[test]

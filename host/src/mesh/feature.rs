@@ -91,9 +91,8 @@ impl Meeting {
 
 #[cfg(test)]
 mod tests {
-    use std::path::{Path, PathBuf};
-
     use super::*;
+    use crate::collection::collection;
     use crate::mesh::{Faces, PolygonMesh, read};
 
     fn cube() -> PolygonMesh {
@@ -129,9 +128,7 @@ mod tests {
 
     #[test]
     fn the_creases_of_the_fandisk_are_closed_curves() {
-        let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-        let folder = std::env::var_os("WAVELIFT_DATA").map_or_else(beside, PathBuf::from);
-        let Ok(mesh) = read(&folder.join("meshes/fandisk.ply")) else {
+        let Ok(mesh) = read(&collection().join("meshes/fandisk.ply")) else {
             println!("skipped: no collection of meshes beside the repository, and WAVELIFT_DATA names none");
             return;
         };

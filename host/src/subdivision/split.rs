@@ -12,7 +12,7 @@ use crate::mesh::{Faces, Features};
 /// Vertices of the finer mesh are numbered: the old ones as they were; then one for each edge, in the order in which
 /// sides first meet it face by face; then one for each face. So the vertices of a coarse mesh are always the first ones of
 /// a finer mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Split {
     vertices: usize,
     faces: usize,
@@ -36,38 +36,85 @@ impl Split {
     /// # Panics
     /// If the finer mesh has 2^32 vertices or more.
     pub fn new(vertices: usize, faces: &Faces) -> Self {
-        let mut split = Self {
-            vertices,
-            faces: faces.len(),
-            edges: Vec::new(),
-            edge_faces: Vec::new(),
-            side_edges: Vec::with_capacity(faces.corners().len()),
-            quads: Vec::with_capacity(faces.corners().len()),
-        };
+        let mut split = Self::empty(vertices, faces.len(), faces.corners().len());
         // Edges that wait for their second side.
         let mut open = HashMap::with_capacity(faces.corners().len() / 4);
         for (face, corners) in faces.iter().enumerate() {
             for (side, &from) in corners.iter().enumerate() {
                 let to = corners[(side + 1) % corners.len()];
-                let edge = open.remove(&[from.min(to), from.max(to)]).unwrap_or_else(|| {
-                    open.insert([from.min(to), from.max(to)], split.edges.len());
-                    split.edges.push([from, to]);
-                    split.edge_faces.push([None; 2]);
-                    split.edges.len() - 1
-                });
-                let [first, second] = &mut split.edge_faces[edge];
-                *if first.is_none() { first } else { second } = Some(face as u32);
-                split.side_edges.push(edge as u32);
+                let ends = [from.min(to), from.max(to)];
+                let mut edge = open.remove(&ends).unwrap_or(u32::MAX);
+                if edge == u32::MAX {
+                    open.insert(ends, split.edges.len() as u32);
+                }
+                split.meet(&mut edge, [from, to], face as u32);
             }
         }
         assert!(u32::try_from(split.finer_vertices()).is_ok(), "fewer than 2^32 vertices");
-        split.make_quads(faces);
+        split.make_quads(faces.iter());
         split
     }
 
-    fn make_quads(&mut self, faces: &Faces) {
+    /// The split of the finer mesh: what [`Split::new`] makes of [`Split::finer_faces`], but without a hash table, as
+    /// each edge of the finer mesh is half an old one or leads into the middle of a face.
+    ///
+    /// Cost: one pass over the quads.
+    ///
+    /// # Panics
+    /// If the mesh after that has 2^32 vertices or more.
+    pub fn finer(&self) -> Self {
+        let mut finer = Self::empty(self.finer_vertices(), self.quads.len(), 4 * self.quads.len());
+        // Halves of each edge, by its ends; then, for each side, the way from its edge to the middle of its face.
+        let halves = 2 * self.edges.len();
+        let mut numbers = vec![u32::MAX; halves + self.quads.len()];
+        let half = |edge_vertex: u32, end: u32| {
+            let edge = edge_vertex as usize - self.vertices;
+            2 * edge + usize::from(self.edges[edge][0] != end)
+        };
+        let mut first = 0;
+        for face in self.quads.chunk_by(|one, next| one[2] == next[2]) {
+            for (side, quad) in face.iter().enumerate() {
+                let before = (side + face.len() - 1) % face.len();
+                let ways = [side, before].map(|side| halves + first + side);
+                let met = [half(quad[1], quad[0]), ways[0], ways[1], half(quad[3], quad[0])];
+                for (corner, met) in met.into_iter().enumerate() {
+                    let ends = [quad[corner], quad[(corner + 1) % 4]];
+                    finer.meet(&mut numbers[met], ends, (first + side) as u32);
+                }
+            }
+            first += face.len();
+        }
+        assert!(u32::try_from(finer.finer_vertices()).is_ok(), "fewer than 2^32 vertices");
+        finer.make_quads(self.quads.iter().map(<[u32; 4]>::as_slice));
+        finer
+    }
+
+    fn empty(vertices: usize, faces: usize, sides: usize) -> Self {
+        Self {
+            vertices,
+            faces,
+            edges: Vec::with_capacity(sides / 2),
+            edge_faces: Vec::with_capacity(sides / 2),
+            side_edges: Vec::with_capacity(sides),
+            quads: Vec::with_capacity(sides),
+        }
+    }
+
+    /// A side of `face` with these ends, of an edge whose number is known if a side met it before.
+    fn meet(&mut self, number: &mut u32, ends: [u32; 2], face: u32) {
+        if *number == u32::MAX {
+            *number = self.edges.len() as u32;
+            self.edges.push(ends);
+            self.edge_faces.push([Some(face), None]);
+        } else {
+            self.edge_faces[*number as usize][1] = Some(face);
+        }
+        self.side_edges.push(*number);
+    }
+
+    fn make_quads<'a>(&mut self, faces: impl Iterator<Item = &'a [u32]>) {
         let mut start = 0;
-        for (face, corners) in faces.iter().enumerate() {
+        for (face, corners) in faces.enumerate() {
             let edges = &self.side_edges[start..start + corners.len()];
             start += corners.len();
             let centre = self.face_vertex(face);
@@ -134,6 +181,7 @@ mod tests {
         assert_eq!(split.quads[0], [0, 4, 10, 6]);
         assert!(split.edge_faces.iter().all(|faces| faces.iter().all(Option::is_some)));
         let finer = Split::new(split.finer_vertices(), &split.finer_faces());
+        assert_eq!(finer, split.finer());
         // Euler: every split keeps V - E + F.
         assert_eq!(14 + 12, 2 + finer.edges.len());
     }
@@ -154,5 +202,16 @@ mod tests {
         assert!(split.edge_faces.iter().all(|faces| *faces == [Some(0), None]));
         assert_eq!(split.quads.len(), 5);
         assert_eq!(split.quads[4], [4, 9, 10, 8]);
+        assert_eq!(split.finer(), Split::new(split.finer_vertices(), &split.finer_faces()));
+    }
+
+    #[test]
+    fn the_third_side_of_an_edge_is_an_edge_of_its_own() {
+        let faces: Faces = [[0, 1, 2], [1, 0, 3], [0, 1, 4]].iter().map(<[u32; 3]>::as_slice).collect();
+        let split = Split::new(5, &faces);
+        assert_eq!(split.edges.len(), 8);
+        let finer = Split::new(split.finer_vertices(), &split.finer_faces());
+        assert_eq!(finer, split.finer());
+        assert_eq!(finer.finer(), Split::new(finer.finer_vertices(), &finer.finer_faces()));
     }
 }

@@ -5,6 +5,7 @@ use super::predictor::Predictor;
 use super::taps::{Planes, Taps};
 use super::train::Training;
 use super::weightless::{Fixed, FixedRow, RowsBefore};
+use crate::Feature;
 use crate::transform::{Plan, Subband};
 
 /// Coefficients that predictors are compared on, about: of larger subbands only every so many rows.
@@ -38,11 +39,14 @@ impl Choosing<'_> {
                     (best, least) = (fixed, cost);
                 }
             }
+        } else if training.is_none() {
+            return Some(best);
         } else {
             least = self.cost(&best)?;
         }
         let samples = self.subband.sides.iter().fold(1, |product: usize, &side| product.wrapping_mul(side));
-        if let Some(training) = training
+        if Feature::Trained.is_built()
+            && let Some(training) = training
             && samples >= WORTH_TRAINING
         {
             let (trained, weights) = self.trained(training);
@@ -83,6 +87,9 @@ impl Choosing<'_> {
         if let &Predictor::Fixed(fixed) = predictor {
             let before = RowsBefore::new(self.plan, self.subband, [y, z], self.coefficients.get(..start)?);
             return Some(bits(row, FixedRow::new(fixed, before)));
+        }
+        if !Feature::Trained.is_built() {
+            return None;
         }
         let mut memory = RowMemory::new(width, self.wide, self.scratch)?;
         let forecast = predictor.weighted(self.plan, self.subband, self.coefficients, [y, z], &mut memory);

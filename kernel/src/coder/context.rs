@@ -47,7 +47,7 @@ impl Expected {
     }
 
     /// `scaled` / 256, its low 32 bits.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of_wide_scaled(scaled: i64) -> Self {
         let [fraction, a, b, c, d, ..] = scaled.wrapping_add(128).to_le_bytes();
         Self { value: i32::from_le_bytes([a, b, c, d]), offset: i32::from(fraction).wrapping_sub(128) }
@@ -69,7 +69,7 @@ pub(super) enum Class {
 }
 
 impl Class {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of(energy: i32) -> Self {
         let energy = energy.cast_unsigned();
         if energy < 4 {

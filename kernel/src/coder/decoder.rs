@@ -5,7 +5,7 @@ use super::encoder::{MIN_RANGE, RAW_BITS};
 use super::{Coder, low_bits, share_of_true};
 
 /// Bytes of a codeword that the decoder holds at a time, and so reads ahead.
-const WINDOW: usize = 4;
+pub(crate) const WINDOW: usize = 4;
 
 /// Reads one codeword; beyond its last byte it reads zeros.
 #[derive(Debug)]
@@ -18,14 +18,73 @@ pub(crate) struct Decoder<'a> {
     range: u32,
 }
 
+/// A decoder without its bytes.
+#[cfg(feature = "stream")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Suspended {
+    code: u32,
+    range: u32,
+}
+
+#[cfg(feature = "stream")]
+impl Suspended {
+    /// Before a codeword.
+    pub(crate) const NONE: Self = Self { code: 0, range: u32::MAX };
+}
+
 impl<'a> Decoder<'a> {
     /// Starts on a codeword. `None` if no encoder ends one like this: with a zero byte, or at 1 - 2^-32 and above.
     pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
+        if bytes.last() == Some(&0) { None } else { Self::begin(bytes) }
+    }
+
+    /// Starts on a codeword of which `bytes` are the first. `None` if it stands for 1 - 2^-32 or more.
+    pub(crate) fn begin(bytes: &'a [u8]) -> Option<Self> {
+        let decoder = Self::lenient(bytes);
+        (decoder.code < decoder.range).then_some(decoder)
+    }
+
+    /// Starts on any bytes.
+    pub(super) fn lenient(bytes: &'a [u8]) -> Self {
         let mut decoder = Self { bytes, taken: 0, code: 0, range: u32::MAX };
         for _ in 0..WINDOW {
             decoder.take();
         }
-        (bytes.last() != Some(&0) && decoder.code < decoder.range).then_some(decoder)
+        decoder
+    }
+
+    /// Whether the next decision is the same whatever follows the bytes.
+    #[inline]
+    pub(super) const fn is_sure(&self, chance: u32) -> bool {
+        let share = share_of_true(self.range, chance);
+        let unknown = match self.taken.saturating_sub(self.bytes.len()) {
+            0 => 0,
+            1 => 0xFF,
+            2 => 0xFFFF,
+            3 => 0xFF_FFFF,
+            _ => u32::MAX,
+        };
+        let most = self.code.saturating_add(unknown);
+        (self.code < share) == (most < share)
+    }
+
+    /// Goes on with a codeword where another decoder left it; `bytes` are those not taken yet.
+    #[cfg(feature = "stream")]
+    pub(crate) const fn resume(left: Suspended, bytes: &'a [u8]) -> Self {
+        let Suspended { code, range } = left;
+        Self { bytes, taken: 0, code, range }
+    }
+
+    /// Bytes not taken yet.
+    #[cfg(feature = "stream")]
+    pub(crate) const fn left(&self) -> usize {
+        self.bytes.len().saturating_sub(self.taken)
+    }
+
+    /// What another decoder needs to go on, and the bytes taken, zeros beyond the end included.
+    #[cfg(feature = "stream")]
+    pub(crate) const fn suspend(self) -> (Suspended, usize) {
+        (Suspended { code: self.code, range: self.range }, self.taken)
     }
 
     /// Whether an encoder that made these decisions would have written a codeword of this length: it writes as many
@@ -34,14 +93,14 @@ impl<'a> Decoder<'a> {
         self.bytes.len() <= self.taken.wrapping_sub(WINDOW - 1)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn take(&mut self) {
         let byte = self.bytes.get(self.taken).copied().unwrap_or(0);
         self.taken = self.taken.wrapping_add(1);
         self.code = (self.code << 8) | u32::from(byte);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn renormalize(&mut self) {
         while self.range < MIN_RANGE {
             self.take();
@@ -51,7 +110,7 @@ impl<'a> Decoder<'a> {
 }
 
 impl Coder for Decoder<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn symbol(&mut self, _: usize, distribution: &mut Distribution) -> usize {
         let unit = self.range >> TOTAL_BITS;
         // Rounding leaves a little of the interval to no symbol; no encoder points there.
@@ -65,7 +124,7 @@ impl Coder for Decoder<'_> {
         symbol
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn decide(&mut self, _: bool, chance: u32) -> bool {
         let share = share_of_true(self.range, chance);
         let bit = self.code < share;
@@ -79,7 +138,7 @@ impl Coder for Decoder<'_> {
         bit
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn raw(&mut self, _: u32, count: u32) -> u32 {
         let mut bits = 0_u32;
         let mut left = count;

@@ -51,12 +51,16 @@ impl Distribution {
     }
 
     /// The symbol whose share holds `point`, of 0 to 32767.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn find(&self, point: i16) -> usize {
         let [_, second, ..] = self.below;
         // Where little is left to predict nearly every symbol is 0.
         if point < second {
             return 0;
+        }
+        if cfg!(feature = "small") {
+            let above = self.below.iter().position(|&below| below > point);
+            return above.unwrap_or(SYMBOLS).wrapping_sub(1);
         }
         let not_above = self.below.iter().map(|&below| i16::from(below <= point));
         let count: i16 = not_above.fold(0, i16::wrapping_add);
@@ -64,18 +68,64 @@ impl Distribution {
     }
 
     /// Learns one symbol.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn learn(&mut self, symbol: usize) {
         let rate = u32::from(self.seen.wrapping_add(HEAD_START)).checked_ilog2().unwrap_or(0).wrapping_add(1);
+        if cfg!(feature = "small") {
+            self.approach_in_pairs(symbol, rate);
+        } else {
+            self.approach(symbol, rate);
+        }
+        self.seen = self.seen.wrapping_add(u8::from(self.seen < SETTLED));
+    }
+
+    /// Goes 1/2^`rate` of the way towards shares of one for all other symbols, and the rest for `symbol`.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn approach(&mut self, symbol: usize, rate: u32) {
         let symbol = i16::try_from(symbol).unwrap_or(0);
-        // Towards shares of one for all others, and the rest for the symbol.
         for (below, lane) in self.below.iter_mut().zip(0_i16..) {
             let above = if lane > symbol { TOTAL - 15 } else { 0 };
             let goal = lane.wrapping_add(above);
             *below = below.wrapping_add(goal.wrapping_sub(*below) >> rate);
         }
-        self.seen = self.seen.wrapping_add(u8::from(self.seen < SETTLED));
     }
+
+    /// As [`Distribution::approach`], for machines without vectors: two chances to a word.
+    ///
+    /// A difference and 2^15 are neither negative nor above 2^16, so that no half touches the other, and 2^15 goes
+    /// through the shift without a remainder.
+    fn approach_in_pairs(&mut self, symbol: usize, rate: u32) {
+        const BOTH: u32 = 1 << 16 | 1;
+        let [halves, offset] = [0xFFFF_u32 >> rate, 0x8000 >> rate].map(|half| half.wrapping_mul(BOTH));
+        let goals = GOALS.get(SYMBOLS.wrapping_sub(symbol)..).unwrap_or(&[]).as_chunks::<2>().0;
+        let mut lanes = 1_u32 << 16;
+        for (pair, &goal) in self.below.as_chunks_mut::<2>().0.iter_mut().zip(goals) {
+            let [first, second] = *pair;
+            let below = word([first.cast_unsigned(), second.cast_unsigned()]);
+            let difference = word(goal).wrapping_add(lanes).wrapping_sub(below);
+            let moved = below.wrapping_add(difference >> rate & halves).wrapping_sub(offset);
+            let [a, b, c, d] = moved.to_le_bytes();
+            *pair = [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])];
+            lanes = lanes.wrapping_add(2 * BOTH);
+        }
+    }
+}
+
+/// What a symbol is to have before it, but for shares of one, and 2^15: from the 16th before the one that was coded.
+#[rustfmt::skip]
+const GOALS: [u16; 2 * SYMBOLS] = {
+    const A: u16 = 1 << 15;
+    const B: u16 = A + TOTAL.cast_unsigned() - 15;
+    [
+        A, A, A, A, A, A, A, A, A, A, A, A, A, A, A, A,
+        A, B, B, B, B, B, B, B, B, B, B, B, B, B, B, B,
+    ]
+};
+
+/// Two halves, the first low.
+#[inline(always)]
+fn word([low, high]: [u16; 2]) -> u32 {
+    u32::from(high) << 16 | u32::from(low)
 }
 
 /// `value`, which is not negative.
@@ -115,6 +165,24 @@ mod tests {
         for point in 0..=i16::MAX {
             let share = distribution.share(distribution.find(point));
             assert!((share.below..share.below + share.size).contains(&unsigned(point)));
+        }
+    }
+
+    #[test]
+    fn pairs_go_the_same_way() {
+        let mut seed = 1_u32;
+        for rate in 1..=SLOWEST {
+            let (mut one_by_one, mut in_pairs) = (EVEN, EVEN);
+            for _ in 0..20_000 {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                // Long runs of one symbol, and changes.
+                let symbol = to_usize((seed >> 16) % 7 * ((seed >> 24) & 15) % 16);
+                for _ in 0..seed >> 30 << 4 {
+                    one_by_one.approach(symbol, rate);
+                    in_pairs.approach_in_pairs(symbol, rate);
+                }
+                assert_eq!(one_by_one, in_pairs, "{symbol} at {rate}");
+            }
         }
     }
 

@@ -9,35 +9,106 @@ pub(super) const MIN_RANGE: u32 = 1 << 24;
 /// Raw bits coded in one go.
 pub(super) const RAW_BITS: u32 = 12;
 
-/// Writes one codeword: a number in [0, 1), base 256, most significant byte first, trailing zero bytes left out.
-///
-/// The number lies in `low .. low + range`, in units of the last byte shifted out; everything above is in `out`, or
-/// held back: a run of zeros, which are not written if nothing follows, then a run of 0xFF, which a carry would turn
-/// into zeros. A carry ends at the last zero held back, or else at the last byte in `out`, which is then not 0xFF: it
-/// changes one byte, and no byte is written that is taken back.
+/// Where an encoder writes its bytes.
+pub(crate) trait Sink {
+    /// Takes one byte.
+    fn write(&mut self, byte: u8);
+
+    /// Takes a byte `count` times.
+    fn repeat(&mut self, byte: u8, count: usize) {
+        for _ in 0..count {
+            self.write(byte);
+        }
+    }
+
+    /// Adds one to the byte written last, which is not 0xFF.
+    fn carry(&mut self);
+}
+
+/// The beginning of lent memory.
 #[derive(Debug)]
-pub(crate) struct Encoder<'a> {
+pub(crate) struct Buffer<'a> {
     out: &'a mut [u8],
     /// Bytes written.
     len: usize,
+    /// A byte did not fit; what is written from then on is meaningless.
+    full: bool,
+}
+
+impl Sink for Buffer<'_> {
+    #[inline(always)]
+    fn write(&mut self, byte: u8) {
+        match self.out.get_mut(self.len) {
+            Some(slot) => {
+                *slot = byte;
+                self.len = self.len.wrapping_add(1);
+            }
+            None => self.full = true,
+        }
+    }
+
+    fn carry(&mut self) {
+        if let Some(last) = self.len.checked_sub(1).and_then(|last| self.out.get_mut(last)) {
+            *last = last.wrapping_add(1);
+        }
+    }
+}
+
+/// Writes one codeword: a number in [0, 1), base 256, most significant byte first, trailing zero bytes left out.
+///
+/// The number lies in `low .. low + range`, in units of the last byte shifted out; everything above is written, or
+/// held back: a run of zeros, which are not written if nothing follows, then a run of 0xFF, which a carry would turn
+/// into zeros. A carry ends at the last zero held back, or else at the last byte written, which is then not 0xFF: it
+/// changes one byte, and no byte is written that is taken back.
+#[derive(Debug)]
+pub(crate) struct Interval<S> {
+    sink: S,
     /// Bytes 0 held back.
     zeros: usize,
     /// Bytes 0xFF held back, after the zeros.
     ones: usize,
-    /// A byte did not fit; what is written from then on is meaningless.
-    full: bool,
     low: u32,
     range: u32,
 }
 
+/// Writes a codeword to lent memory.
+pub(crate) type Encoder<'a> = Interval<Buffer<'a>>;
+
 impl<'a> Encoder<'a> {
     /// Starts a codeword at the beginning of `out`.
     pub(crate) const fn new(out: &'a mut [u8]) -> Self {
-        Self { out, len: 0, zeros: 0, ones: 0, full: false, low: 0, range: u32::MAX }
+        Self::over(Buffer { out, len: 0, full: false })
     }
 
     /// Ends the codeword in as few bytes as it takes and returns their number; `None` if the output was too short.
     pub(crate) fn finish(mut self) -> Option<usize> {
+        self.end();
+        (!self.sink.full).then_some(self.sink.len)
+    }
+}
+
+impl<S> Interval<S> {
+    /// Starts a codeword.
+    pub(crate) const fn over(sink: S) -> Self {
+        Self { sink, zeros: 0, ones: 0, low: 0, range: u32::MAX }
+    }
+
+    /// Where the codeword goes.
+    #[cfg(feature = "stream")]
+    pub(crate) const fn sink(&mut self) -> &mut S {
+        &mut self.sink
+    }
+
+    /// The same, to look at.
+    #[cfg(feature = "stream")]
+    pub(crate) const fn peek(&self) -> &S {
+        &self.sink
+    }
+}
+
+impl<S: Sink> Interval<S> {
+    /// Ends the codeword in as few bytes as it takes. What follows is another.
+    pub(crate) fn end(&mut self) {
         // The smallest multiple of 2^24 in low .. low + range: one more byte, and zeros that need not be written.
         self.add(self.low.wrapping_neg() % MIN_RANGE);
         let [last, ..] = self.low.to_be_bytes();
@@ -45,10 +116,10 @@ impl<'a> Encoder<'a> {
         if self.ones > 0 {
             self.write_held();
         }
-        (!self.full).then_some(self.len)
+        (self.zeros, self.low, self.range) = (0, 0, u32::MAX);
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn add(&mut self, offset: u32) {
         let (low, carry) = self.low.overflowing_add(offset);
         self.low = low;
@@ -63,14 +134,14 @@ impl<'a> Encoder<'a> {
         if let Some(zeros) = self.zeros.checked_sub(1) {
             self.zeros = zeros;
             self.write_held();
-            self.write(1);
-        } else if let Some(last) = self.len.checked_sub(1).and_then(|last| self.out.get_mut(last)) {
-            *last = last.wrapping_add(1);
+            self.sink.write(1);
+        } else {
+            self.sink.carry();
         }
         self.zeros = ones;
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn renormalize(&mut self) {
         while self.range < MIN_RANGE {
             let [byte, ..] = self.low.to_be_bytes();
@@ -80,7 +151,7 @@ impl<'a> Encoder<'a> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn shift_out(&mut self, byte: u8) {
         match byte {
             0 => {
@@ -94,35 +165,20 @@ impl<'a> Encoder<'a> {
                 if self.zeros | self.ones != 0 {
                     self.write_held();
                 }
-                self.write(byte);
+                self.sink.write(byte);
             }
         }
     }
 
     #[cold]
     fn write_held(&mut self) {
-        for _ in 0..core::mem::take(&mut self.zeros) {
-            self.write(0);
-        }
-        for _ in 0..core::mem::take(&mut self.ones) {
-            self.write(0xFF);
-        }
-    }
-
-    #[inline(always)]
-    fn write(&mut self, byte: u8) {
-        match self.out.get_mut(self.len) {
-            Some(slot) => {
-                *slot = byte;
-                self.len = self.len.wrapping_add(1);
-            }
-            None => self.full = true,
-        }
+        self.sink.repeat(0, core::mem::take(&mut self.zeros));
+        self.sink.repeat(0xFF, core::mem::take(&mut self.ones));
     }
 }
 
-impl Coder for Encoder<'_> {
-    #[inline(always)]
+impl<S: Sink> Coder for Interval<S> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn symbol(&mut self, symbol: usize, distribution: &mut Distribution) -> usize {
         let unit = self.range >> TOTAL_BITS;
         let share = distribution.share(symbol);
@@ -133,7 +189,7 @@ impl Coder for Encoder<'_> {
         symbol
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn decide(&mut self, bit: bool, chance: u32) -> bool {
         let share = share_of_true(self.range, chance);
         if bit {
@@ -146,7 +202,7 @@ impl Coder for Encoder<'_> {
         bit
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn raw(&mut self, bits: u32, count: u32) -> u32 {
         let mut left = count;
         while left > 0 {

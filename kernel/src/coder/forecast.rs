@@ -94,6 +94,14 @@ pub(super) fn pad(row: &[i32], width: usize, padded: &mut [i32], part: impl Fn(i
 /// Adds the weighted windows of a padded row to `sums`.
 fn add(sums: &mut [i32], padded: &[i32], reach: usize, weights: &[i16]) {
     let row = padded.get(REACH.wrapping_sub(reach)..).unwrap_or(&[]);
+    if cfg!(feature = "small") {
+        for (&weight, from) in weights.iter().zip(0..) {
+            for (sum, coefficient) in sums.iter_mut().zip(row.get(from..).unwrap_or(&[])) {
+                *sum = sum.wrapping_add(coefficient.wrapping_mul(weight.into()));
+            }
+        }
+        return;
+    }
     match *weights {
         [a] => add_windows(sums, row, [a]),
         [a, b, c] => add_windows(sums, row, [a, b, c]),
@@ -103,7 +111,7 @@ fn add(sums: &mut [i32], padded: &[i32], reach: usize, weights: &[i16]) {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn add_windows<const N: usize>(sums: &mut [i32], row: &[i32], weights: [i16; N]) {
     let weights = weights.map(i32::from);
     for (sum, window) in sums.iter_mut().zip(row.array_windows::<N>()) {
@@ -130,6 +138,20 @@ pub(super) trait Forecast {
     fn push(&mut self, coefficient: i32);
 }
 
+/// 0 everywhere.
+#[derive(Debug)]
+pub(super) struct Zero;
+
+impl Forecast for Zero {
+    #[inline(always)]
+    fn expected(&self, _: usize) -> Expected {
+        Expected::exactly(0)
+    }
+
+    #[inline(always)]
+    fn push(&mut self, _: i32) {}
+}
+
 /// The sums before a row, and what its own coefficients add.
 #[derive(Debug)]
 pub(super) struct Weighted<'a> {
@@ -139,7 +161,7 @@ pub(super) struct Weighted<'a> {
 }
 
 impl Forecast for Weighted<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, x: usize) -> Expected {
         let sum = self.sums.get(x).copied().unwrap_or(0);
         match self.upper_sums.get(x) {
@@ -148,7 +170,7 @@ impl Forecast for Weighted<'_> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn push(&mut self, coefficient: i32) {
         self.west.push(coefficient);
     }
@@ -158,14 +180,14 @@ impl West {
     pub(super) const ZERO: Self = Self { weights: [0; WEST], last: [0; WEST] };
 
     /// The prediction that the sums before a coefficient amount to.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, sum: i32) -> Expected {
         let products = self.weights.iter().zip(self.last).map(|(weight, last)| weight.wrapping_mul(last));
         Expected::of_scaled(products.fold(sum, i32::wrapping_add))
     }
 
     /// The same where coefficients have more than 16 bits.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected_wide(&self, sum: i32, upper_sum: i32) -> Expected {
         let sum = (i64::from(upper_sum) << HALF_BITS).wrapping_add(sum.into());
         let products = self.weights.iter().zip(self.last);
@@ -173,7 +195,7 @@ impl West {
         Expected::of_wide_scaled(products.fold(sum, i64::wrapping_add))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     const fn push(&mut self, coefficient: i32) {
         let [a, b, _] = self.last;
         self.last = [coefficient, a, b];

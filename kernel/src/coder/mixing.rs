@@ -26,7 +26,7 @@ static SQUASHED: [u16; KNOTS] = squashed();
 static STRETCHED: [i16; 1 << 12] = stretched();
 
 /// The chance, 1 to 65535, whose odds are given; those beyond [`LARGEST_ODDS`] count as it. Straight between knots.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn squash(odds: i32) -> u32 {
     let place = odds.clamp(-LARGEST_ODDS, LARGEST_ODDS).wrapping_sub(FIRST_ODDS).cast_unsigned();
     let knot = to_usize(place >> KNOT_BITS);
@@ -35,7 +35,7 @@ pub(super) fn squash(odds: i32) -> u32 {
 }
 
 /// What lies `part` of 2^[`KNOT_BITS`] of the way between two chances.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 const fn between(below: u32, above: u32, part: u32) -> u32 {
     let sum =
         below.wrapping_mul((1_u32 << KNOT_BITS).wrapping_sub(part)).wrapping_add(above.wrapping_mul(part));
@@ -141,19 +141,19 @@ impl Counter {
     }
 
     /// The odds of true.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn odds(self) -> i32 {
         STRETCHED.get(usize::from(u16::from_le_bytes(self.chance) >> 4)).copied().map_or(0, i32::from)
     }
 
     /// The chance of true.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn chance(self) -> u32 {
         u16::from_le_bytes(self.chance).into()
     }
 
     /// Learns what was decided.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn learn(&mut self, bit: bool) {
         let rate = RATES.get(usize::from(self.seen)).copied().map_or(0, i32::from);
         let chance = i32::from(u16::from_le_bytes(self.chance));
@@ -171,6 +171,9 @@ const MIXING_RATE: i32 = 6;
 /// No chance of a mixer is smaller, nor that of false.
 const LEAST_CHANCE: u32 = 32;
 
+/// No weight of a [bounded](Mixer::bound) mixer is larger in magnitude: 8.
+const LARGEST_WEIGHT: i32 = 1 << 19;
+
 /// Weights of the odds of `N` counters, in 1/65536.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Mixer<const N: usize>([i32; N]);
@@ -182,14 +185,28 @@ impl<const N: usize> Mixer<N> {
     }
 
     /// The chance that these odds make together.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn chance(&self, odds: &[i32; N]) -> u32 {
         let parts = self.0.iter().zip(odds).map(|(weight, odds)| weight.wrapping_mul(*odds) >> 4);
         squash(parts.fold(0, i32::wrapping_add) >> 12).clamp(LEAST_CHANCE, (1 << 16) - LEAST_CHANCE)
     }
 
-    /// Learns what was decided when these odds made `chance`.
+    /// Whether `chance` is as far from even as a mixer says, and `bit` is what it expects: then there is nothing to learn.
     #[inline(always)]
+    pub(super) const fn is_sure(chance: u32, bit: bool) -> bool {
+        if bit { chance >= (1 << 16) - LEAST_CHANCE } else { chance <= LEAST_CHANCE }
+    }
+
+    /// Keeps weights so small that their products with odds do not overflow.
+    #[inline(always)]
+    pub(super) fn bound(&mut self) {
+        for weight in &mut self.0 {
+            *weight = (*weight).clamp(-LARGEST_WEIGHT, LARGEST_WEIGHT);
+        }
+    }
+
+    /// Learns what was decided when these odds made `chance`.
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn learn(&mut self, odds: &[i32; N], chance: u32, bit: bool) {
         let error = (u32::from(bit) << 16).wrapping_sub(chance).cast_signed().wrapping_mul(MIXING_RATE) >> 8;
         for (weight, odds) in self.0.iter_mut().zip(odds) {

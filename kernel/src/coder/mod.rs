@@ -4,6 +4,7 @@
 //! encoder is given each symbol and returns it, the decoder ignores what it is given and returns what it reads. The
 //! two directions cannot drift apart.
 
+pub mod bits;
 mod choose;
 mod context;
 mod decoder;
@@ -14,22 +15,33 @@ mod encoder;
 mod forecast;
 mod history;
 mod lattice;
+mod memory;
 mod mixing;
 mod predictor;
 mod priors;
 mod residual;
+#[cfg(feature = "stream")]
+mod row;
 mod scan;
+pub(crate) mod tabled;
 mod taps;
 mod train;
 mod weightless;
 
 pub(crate) use decoder::Decoder;
+#[cfg(feature = "stream")]
+pub(crate) use decoder::{Suspended, WINDOW};
 pub use dense::Dense;
 pub(crate) use encoder::Encoder;
+#[cfg(feature = "stream")]
+pub(crate) use encoder::{Interval, Sink};
 pub use lattice::Lattice;
 pub(crate) use lattice::{Grid, LARGEST_SLACK, Precision, SHRINKING};
+pub(crate) use memory::Memory;
 pub(crate) use predictor::Predictor;
 pub(crate) use residual::Models;
+#[cfg(feature = "stream")]
+pub(crate) use row::{Cursor, MOST_BYTES, Row};
 pub(crate) use scan::{Coefficients, scratch_len};
 pub use train::Training;
 
@@ -47,8 +59,21 @@ pub(crate) trait Coder {
     fn raw(&mut self, bits: u32, count: u32) -> u32;
 }
 
+/// The coder as the description of the codestream takes it: itself, so that each direction is compiled for speed, or in
+/// small builds one code for both.
+#[cfg(not(feature = "small"))]
+pub(crate) const fn described<C: Coder>(coder: &mut C) -> &mut C {
+    coder
+}
+
+/// The coder as the description of the codestream takes it: one code for both directions.
+#[cfg(feature = "small")]
+pub(crate) fn described<'a>(coder: &'a mut impl Coder) -> &'a mut (dyn Coder + 'a) {
+    coder
+}
+
 /// The part of an interval that stands for true under `chance`: neither nothing nor all of it.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 const fn share_of_true(range: u32, chance: u32) -> u32 {
     (range >> 16).wrapping_mul(chance).wrapping_add((range & 0xFFFF).wrapping_mul(chance) >> 16)
 }
@@ -74,4 +99,12 @@ const fn low_word(value: i64) -> i32 {
 const fn low_half(value: i32) -> i16 {
     let [a, b, ..] = value.to_le_bytes();
     i16::from_le_bytes([a, b])
+}
+
+/// The smallest and the largest sample.
+fn range(samples: &[i32]) -> (i32, i32) {
+    let first = samples.first().copied().unwrap_or(0);
+    samples
+        .iter()
+        .fold((first, first), |(lowest, highest), &sample| (lowest.min(sample), highest.max(sample)))
 }

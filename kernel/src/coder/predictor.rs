@@ -6,6 +6,7 @@ use super::taps::{Planes, Taps};
 use super::weightless::Fixed;
 use super::{Coder, low_bits};
 use crate::transform::{Plan, Subband};
+use crate::{DecodeError, Feature, Malformed};
 
 /// How the coefficients of a subband are predicted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,20 +26,24 @@ const TRAINED: u32 = 5;
 const ZERO: u32 = 6;
 
 impl Predictor {
-    /// Codes the predictor of a subband. `None` if the codestream names none that there is.
-    pub(super) fn code<C: Coder>(
+    /// Codes the predictor of a subband, which an encoder has chosen.
+    ///
+    /// # Errors
+    /// [`Malformed::Segment`] if the codestream names none that there is, [`DecodeError::NotBuilt`] if this build lacks it.
+    pub(crate) fn code<C: Coder + ?Sized>(
         &self,
         coder: &mut C,
         models: &mut Models,
         plan: &Plan,
         subband: Subband,
-    ) -> Option<Self> {
+    ) -> Result<Self, DecodeError> {
         let number = match self {
             Self::Fixed(fixed) => fixed.number(),
             Self::Trained(..) => TRAINED,
             Self::Zero => ZERO,
         };
         match coder.raw(number, NUMBER_BITS) & low_bits(NUMBER_BITS) {
+            TRAINED if !Feature::Trained.is_built() => Err(DecodeError::NotBuilt(Feature::Trained)),
             TRAINED => {
                 let (mut first, mut rest) = match *self {
                     Self::Trained(first, rest) => (first, rest),
@@ -46,14 +51,17 @@ impl Predictor {
                 };
                 for (weights, planes) in [(&mut first, Planes::First), (&mut rest, Planes::Others)] {
                     if let Some(taps) = Taps::new(plan, subband, planes) {
-                        code_weights(coder, models, weights, taps.weights())?;
+                        let coded = code_weights(coder, models, weights, taps.weights());
+                        coded.ok_or(Malformed::Segment)?;
                     }
                 }
-                Some(Self::Trained(first, rest))
+                Ok(Self::Trained(first, rest))
             }
-            ZERO => Some(Self::Zero),
-            number if subband.orientation == 0 => Fixed::from_number(number).map(Self::Fixed),
-            _ => None,
+            ZERO => Ok(Self::Zero),
+            number => {
+                let fixed = if subband.orientation == 0 { Fixed::from_number(number) } else { None };
+                Ok(Self::Fixed(fixed.ok_or(Malformed::Segment)?))
+            }
         }
     }
 
@@ -79,16 +87,17 @@ impl Predictor {
     /// The weights for plane `z`, and what they apply to; `None` if there are none.
     fn weights(&self, plan: &Plan, subband: Subband, z: usize) -> Option<(Taps, &Weights)> {
         let Self::Trained(first, rest) = self else { return None };
-        let in_first = if z == 0 { Taps::new(plan, subband, Planes::First) } else { None };
-        match in_first {
-            Some(taps) => Some((taps, first)),
-            None => Taps::new(plan, subband, Planes::Others).map(|taps| (taps, rest)),
+        if !Feature::Trained.is_built() {
+            return None;
         }
+        let is_first = z == 0 && subband.orientation == 0;
+        let (planes, weights) = if is_first { (Planes::First, first) } else { (Planes::Others, rest) };
+        Some((Taps::new(plan, subband, planes)?, weights))
     }
 }
 
 /// Codes the first `count` weights.
-fn code_weights<C: Coder>(
+fn code_weights<C: Coder + ?Sized>(
     coder: &mut C,
     models: &mut Models,
     weights: &mut Weights,

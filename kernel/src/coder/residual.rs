@@ -34,6 +34,19 @@ impl Models {
         weights: priors::WEIGHT,
     };
 
+    /// Memory for models that are reset before they are used.
+    #[cfg(feature = "tabled")]
+    #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
+    pub(super) const BLANK: Self = {
+        let blank = Distribution::new([0; SYMBOLS]);
+        Self {
+            small: [[blank; FRACTIONS]; SMALL_CLASSES],
+            large: [blank; LARGE_CLASSES],
+            exponents: [blank; ESCAPES],
+            weights: blank,
+        }
+    };
+
     /// Makes `self` equal to [`Models::NEW`].
     pub(crate) fn reset(&mut self) {
         self.small = priors::SMALL;
@@ -43,8 +56,8 @@ impl Models {
     }
 
     /// Codes one residual.
-    #[inline(always)]
-    pub(super) fn code<C: Coder>(
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn code<C: Coder + ?Sized>(
         &mut self,
         coder: &mut C,
         energy: i32,
@@ -71,7 +84,7 @@ impl Models {
     }
 
     /// Codes one weight of a predictor.
-    pub(super) fn code_weight<C: Coder>(&mut self, coder: &mut C, weight: i16) -> i16 {
+    pub(super) fn code_weight<C: Coder + ?Sized>(&mut self, coder: &mut C, weight: i16) -> i16 {
         let number = rank(weight.into()).wrapping_add(1);
         let coded = of_rank(code_number(coder, &mut self.weights, number).wrapping_sub(1));
         i16::try_from(coded).unwrap_or(i16::MAX)
@@ -93,8 +106,8 @@ fn of_rank(rank: u32) -> i32 {
 }
 
 /// Codes a rank: the first have symbols of their own.
-#[inline(always)]
-fn code_rank<C: Coder>(
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn code_rank<C: Coder + ?Sized>(
     coder: &mut C,
     distribution: &mut Distribution,
     exponents: &mut Distribution,
@@ -109,8 +122,8 @@ fn code_rank<C: Coder>(
 }
 
 /// Codes a residual as zero, or a step of 2^`step_bits` magnitudes, a place in it, and a sign.
-#[inline(always)]
-fn code_step<C: Coder>(
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn code_step<C: Coder + ?Sized>(
     coder: &mut C,
     distribution: &mut Distribution,
     exponents: &mut Distribution,
@@ -137,7 +150,7 @@ fn code_step<C: Coder>(
 }
 
 /// Codes a number above 0: its exponent, then the bits below its leading one as they are.
-fn code_number<C: Coder>(coder: &mut C, exponents: &mut Distribution, number: u32) -> u32 {
+fn code_number<C: Coder + ?Sized>(coder: &mut C, exponents: &mut Distribution, number: u32) -> u32 {
     const LAST: u32 = 15;
     let exponent = number.checked_ilog2().unwrap_or(0);
     let symbol = coder.symbol(to_usize(exponent.min(LAST)), exponents);

@@ -3,20 +3,24 @@
 use super::Coder;
 use super::choose::Choosing;
 use super::context::magnitude;
-use super::forecast::{Forecast, RowMemory};
+use super::forecast::{Forecast, RowMemory, Zero};
 use super::history::{History, Last, history_len};
 use super::predictor::Predictor;
 use super::residual::Models;
 use super::train::Training;
 use super::weightless::{FixedRow, RowsBefore};
-use crate::transform::{Plan, Subband};
+use crate::Feature;
+use crate::transform::{Level, Plan, Subband};
 
 /// `i32`s of scratch that coding takes for the largest subband of `plan`.
 pub(crate) const fn scratch_len(plan: &Plan) -> usize {
     let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
     let [x, _, _] = largest;
-    let coding = history_len(largest).saturating_add(x).saturating_add(RowMemory::len(x));
-    let training = Training::scratch_len(x);
+    let coding = history_len(largest).saturating_add(x);
+    if !Feature::Trained.is_built() {
+        return coding;
+    }
+    let (coding, training) = (coding.saturating_add(RowMemory::len(x)), Training::scratch_len(x));
     if coding > training { coding } else { training }
 }
 
@@ -50,36 +54,42 @@ impl Coefficients<'_> {
         }
     }
 
-    /// Runs either direction of the coder over one subband, for which an encoder has chosen `predictor`; the coarser
-    /// resolutions are known already, and their inverse transform is done.
+    /// Runs either direction of the coder over one subband under `predictor`; the coarser resolutions are known already, and their inverse transform is done.
     ///
     /// `None` if the codestream says what no encoder does.
-    pub(crate) fn code<C: Coder>(
+    pub(crate) fn code<C: Coder + ?Sized>(
         &mut self,
         coder: &mut C,
         models: &mut Models,
         subband: Subband,
         predictor: Predictor,
     ) -> Option<()> {
-        let predictor = predictor.code(coder, models, &self.plan, subband)?;
         let [width, _, _] = subband.sides;
         let (mut history, rest) = History::new(subband.sides, self.scratch)?;
         let (energies, rest) = rest.split_at_mut_checked(width)?;
-        let mut memory = RowMemory::new(width, self.wide, rest)?;
+        let mut memory = match predictor {
+            Predictor::Trained(..) if Feature::Trained.is_built() => RowMemory::new(width, self.wide, rest),
+            _ => None,
+        };
+        let level = self.plan.level_of(subband);
         for [y, z] in subband.rows() {
-            hint(&self.plan, subband, [y, z], self.samples, energies);
+            hint(&level, subband, [y, z], self.samples, energies);
             history.add_energies(y, energies)?;
             let start = subband.row(&self.plan, y, z);
             let magnitudes = history.row(y)?;
-            if let Predictor::Fixed(fixed) = predictor {
-                let (before, row) = self.samples.split_at_mut_checked(start)?;
-                let before = RowsBefore::new(&self.plan, subband, [y, z], before);
-                let mut row = Row { values: row.get_mut(..width)?, energies, magnitudes };
-                row.code(coder, models, FixedRow::new(fixed, before));
-            } else {
-                let forecast = predictor.weighted(&self.plan, subband, self.samples, [y, z], &mut memory);
-                let values = self.samples.get_mut(start..start.wrapping_add(width))?;
-                Row { values, energies, magnitudes }.code(coder, models, forecast);
+            let (before, rest) = self.samples.split_at_mut_checked(start)?;
+            let mut row = Row { values: rest.get_mut(..width)?, energies, magnitudes };
+            match (&predictor, &mut memory) {
+                (Predictor::Fixed(fixed), _) => {
+                    let before = RowsBefore::new(&self.plan, subband, [y, z], before);
+                    row.code(coder, models, FixedRow::new(*fixed, before));
+                }
+                (Predictor::Trained(..), Some(memory)) => {
+                    let forecast = predictor.weighted(&self.plan, subband, self.samples, [y, z], memory);
+                    let values = self.samples.get_mut(start..start.wrapping_add(width))?;
+                    Row { values, energies, magnitudes }.code(coder, models, forecast);
+                }
+                _ => row.code(coder, models, Zero),
             }
             history.end_row();
         }
@@ -98,7 +108,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    fn code<C: Coder>(&mut self, coder: &mut C, models: &mut Models, mut forecast: impl Forecast) {
+    fn code<C: Coder + ?Sized>(&mut self, coder: &mut C, models: &mut Models, mut forecast: impl Forecast) {
         let mut last = Last::default();
         let places = self.energies.iter().zip(self.magnitudes.iter_mut());
         for ((x, value), (energy, magnitude)) in self.values.iter_mut().enumerate().zip(places) {
@@ -113,21 +123,16 @@ impl Row<'_> {
 }
 
 /// Weight of a sibling's magnitude in the energy.
-const SIBLING: i32 = 3;
+pub(super) const SIBLING: i32 = 3;
 
 /// Sets `energies` to what the subbands of a lower orientation say about row `y` of plane `z`: the weighted magnitudes
 /// at the same place.
-fn hint(plan: &Plan, subband: Subband, [y, z]: [usize; 2], samples: &[i32], energies: &mut [i32]) {
+fn hint(level: &Level, subband: Subband, place: [usize; 2], samples: &[i32], energies: &mut [i32]) {
     energies.fill(0);
-    let siblings = (1..subband.orientation).filter_map(|orientation| plan.sibling(subband, orientation));
-    for sibling in siblings {
-        let [width, height, depth] = sibling.sides;
-        let start = sibling.row(plan, y, z);
-        if y < height && z < depth {
-            let row = samples.get(start..start.wrapping_add(width)).unwrap_or(&[]);
-            for (energy, &value) in energies.iter_mut().zip(row) {
-                *energy = energy.wrapping_add(magnitude(value).wrapping_mul(SIBLING));
-            }
+    for sibling in (1..subband.orientation).filter_map(|orientation| level.row(orientation, place)) {
+        let row = samples.get(sibling).unwrap_or(&[]);
+        for (energy, &value) in energies.iter_mut().zip(row) {
+            *energy = energy.wrapping_add(magnitude(value).wrapping_mul(SIBLING));
         }
     }
 }

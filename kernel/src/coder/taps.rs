@@ -5,6 +5,7 @@
 
 use core::ops::Range;
 
+use crate::Feature;
 use crate::transform::{Plan, Subband};
 
 /// Coefficients to the west with a weight: W, WW, WWW.
@@ -16,8 +17,8 @@ pub(super) const REACH: usize = 3;
 /// Rows with weights, at most.
 pub(super) const ROWS: usize = 17;
 
-/// Weights of a subband, at most.
-pub(crate) const WEIGHTS: usize = 43;
+/// Weights of a subband, at most; those to the west where there are no trained predictors.
+pub(crate) const WEIGHTS: usize = if Feature::Trained.is_built() { 43 } else { WEST };
 
 /// Where a row lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

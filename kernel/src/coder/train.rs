@@ -58,7 +58,7 @@ pub struct Training {
 
 impl Training {
     /// Memory that can be the value of a `static`.
-    #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
+    #[cfg_attr(feature = "trained", expect(clippy::large_stack_arrays, reason = "evaluated by the compiler"))]
     pub const NEW: Self = Self {
         matrix: [0; ENTRIES],
         right: [0; WEIGHTS],
@@ -211,9 +211,12 @@ impl Training {
     }
 
     /// Solves the leading equations for as many weights: elimination, then substitution, in fixed point.
-    #[expect(
-        clippy::large_stack_frames,
-        reason = "the lint counts every copy of an iterator; the frame is far smaller"
+    #[cfg_attr(
+        feature = "trained",
+        expect(
+            clippy::large_stack_frames,
+            reason = "the lint counts every copy of an iterator; the frame is far smaller"
+        )
     )]
     fn solve(&mut self, weights: &mut [i16]) {
         let n = weights.len();
@@ -229,7 +232,7 @@ impl Training {
             let sum = known
                 .fold(0, |sum: i64, (column, &x)| sum.wrapping_add(x.wrapping_mul(self.at(column, row))));
             let right = self.right.get(row).copied().unwrap_or(0) << FACTOR_BITS;
-            let x = right.wrapping_sub(sum).checked_div(self.at(row, row)).unwrap_or(0);
+            let x = divided(right.wrapping_sub(sum), self.at(row, row));
             solution.iter_mut().skip(row).take(1).for_each(|slot| *slot = x);
         }
         for ((weight, x), scale) in weights.iter_mut().zip(solution).zip(scales) {
@@ -262,7 +265,7 @@ impl Training {
     /// Takes the multiple of equation `pivot` from equation `row` that frees it of unknown `pivot`.
     fn eliminate(&mut self, pivot: usize, row: usize) {
         let dividend = self.at(row, pivot) << FACTOR_BITS;
-        let factor = dividend.checked_div(self.at(pivot, pivot)).unwrap_or(0);
+        let factor = divided(dividend, self.at(pivot, pivot));
         if factor == 0 {
             return;
         }
@@ -313,6 +316,37 @@ const fn shifted(value: i64, bits: i32) -> i64 {
     if bits < 0 { value >> bits.unsigned_abs() } else { value << bits }
 }
 
+/// The quotient, rounded towards 0; 0 where there is none.
+fn divided(dividend: i64, divisor: i64) -> i64 {
+    if !cfg!(feature = "small") {
+        return dividend.checked_div(divisor).unwrap_or(0);
+    }
+    let quotient = divided_unsigned(dividend.unsigned_abs(), divisor.unsigned_abs()).cast_signed();
+    match (dividend < 0) == (divisor < 0) {
+        // Of the one quotient that has no sign there is none.
+        true => quotient.max(0),
+        false => quotient.wrapping_neg(),
+    }
+}
+
+/// The quotient, rounded down; 0 where there is none. In small builds bit by bit: in a tenth of the code.
+fn divided_unsigned(mut dividend: u64, divisor: u64) -> u64 {
+    if !cfg!(feature = "small") {
+        return dividend.checked_div(divisor).unwrap_or(0);
+    }
+    let mut quotient = 0_u64;
+    let Some(most) = divisor.leading_zeros().checked_sub(dividend.leading_zeros()) else { return 0 };
+    for bit in (0..=most).rev().filter(|_| divisor > 0) {
+        let part = divisor << bit;
+        quotient <<= 1;
+        if part <= dividend {
+            dividend = dividend.wrapping_sub(part);
+            quotient |= 1;
+        }
+    }
+    quotient
+}
+
 /// Coefficients that are trained on, about.
 const fn trained_on(taps: &Taps) -> usize {
     if taps.is_low_pass() { TRAINED_ON } else { DETAILS_TRAINED_ON }
@@ -329,7 +363,8 @@ fn usual_bits(taps: &Taps, coefficients: &[i32], rows: impl Iterator<Item = [usi
             count = count.wrapping_add(1);
         }
     }
-    sum.checked_div(count).and_then(u64::checked_ilog2).map_or(0, |octave| octave.wrapping_add(1))
+    let mean = divided_unsigned(sum, count);
+    mean.checked_ilog2().map_or(0, |octave| octave.wrapping_add(1))
 }
 
 /// The row of plane `deep` at the same y.
@@ -386,6 +421,17 @@ mod tests {
     fn noise(seed: &mut u32) -> i32 {
         *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (*seed >> 20).cast_signed() - 2048
+    }
+
+    #[test]
+    fn quotients_are_those_of_the_machine() {
+        let numbers = [0, 1, 2, 3, 7, 1 << 18, (1 << 30) - 1, 1 << 47, i64::MAX - 1, i64::MAX];
+        let signed = numbers.into_iter().flat_map(|number| [number, -number, !number]);
+        for (a, b) in signed.clone().flat_map(|a| signed.clone().map(move |b| (a, b))) {
+            assert_eq!(divided(a, b), a.checked_div(b).unwrap_or(0), "{a} / {b}");
+            let (a, b) = (a.cast_unsigned(), b.cast_unsigned());
+            assert_eq!(divided_unsigned(a, b), a.checked_div(b).unwrap_or(0), "{a} / {b}");
+        }
     }
 
     #[test]

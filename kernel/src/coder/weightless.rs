@@ -32,7 +32,7 @@ impl<'a> RowsBefore<'a> {
 
 /// Samples around a place in a plane: west, north, and between them.
 #[derive(Clone, Copy, Debug)]
-struct Corner {
+pub(super) struct Corner {
     west: i32,
     north: i32,
     north_west: i32,
@@ -41,8 +41,8 @@ struct Corner {
 impl Corner {
     /// Beyond the border stands the nearest sample there is, or else `fallback`. North-west does not matter there:
     /// where it is missing, west equals north.
-    #[inline(always)]
-    fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn new(west: Option<i32>, north: Option<i32>, north_west: Option<i32>, fallback: i32) -> Self {
         let near_west = west.or(north).unwrap_or(fallback);
         let near_north = north.unwrap_or(near_west);
         Self { west: near_west, north: near_north, north_west: north_west.unwrap_or(near_west) }
@@ -54,7 +54,7 @@ impl Corner {
     }
 
     /// The median of west, north and [`Corner::plane`] (the predictor of JPEG-LS).
-    fn median(self) -> i32 {
+    pub(super) fn median(self) -> i32 {
         median(self.west, self.north, self.plane())
     }
 
@@ -81,7 +81,7 @@ struct Before {
 }
 
 impl Before {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn new(rows: &RowsBefore<'_>, x: usize, west: Option<i32>) -> Self {
         let left = x.wrapping_sub(1);
         let get = |row: &[i32], x: usize| row.get(x).copied();
@@ -124,10 +124,10 @@ impl Fixed {
 
     /// The predictor of that number, if there is one.
     pub(super) fn from_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|fixed| fixed.number() == number)
+        Self::ALL.iter().copied().find(|fixed| fixed.number() == number)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn predict_after(self, Before { here, up }: Before) -> i32 {
         let Some((up, above)) = up else { return here.median() };
         match self {
@@ -159,12 +159,12 @@ impl<'a> FixedRow<'a> {
 }
 
 impl Forecast for FixedRow<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, x: usize) -> Expected {
         Expected::exactly(self.fixed.predict_after(Before::new(&self.before, x, self.west)))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn push(&mut self, coefficient: i32) {
         self.west = Some(coefficient);
     }

@@ -3,10 +3,10 @@
 use super::header::{Header, MAX_STORED_HEADER_BYTES, Storage};
 use super::segments::SegmentWriter;
 use super::stored::{Stored, restore};
-use crate::coder::{Coefficients, Dense, Encoder, Models, Predictor, Training};
+use crate::coder::{Coefficients, Dense, Encoder, Memory, Models, Predictor, Training, described, tabled};
 use crate::error::{at_least, exactly};
 use crate::extent::to_usize;
-use crate::{DecodeError, EncodeError, Extent, Malformed, Plan, SampleType, Slice};
+use crate::{DecodeError, EncodeError, Extent, Feature, Malformed, Plan, SampleType, Slice};
 
 /// Bytes that always suffice for a codestream of `extent` samples of `sample_type`, whatever their values, wavelet
 /// and levels: the samples as they are and a header. `None` if they are 4 GiB or more, which no segment holds.
@@ -24,12 +24,15 @@ pub const fn max_encoded_len(extent: Extent, sample_type: SampleType) -> Option<
 /// never shows in the bytes.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Codec {
-    models: Models,
+    memory: Memory,
 }
 
 /// How much an encoder tries to make codestreams short.
 #[derive(Debug)]
 pub enum Effort<'a> {
+    /// Predictions and tables of frequencies that the codestream brings, for plans without levels and bricks or slices
+    /// of 2^14 samples or more that span at most 19 bits: the quickest both ways. As [`Effort::Fast`] for others.
+    Tabled,
     /// Predictors without weights.
     Fast,
     /// Predictors trained on the samples, in memory lent by the caller.
@@ -47,15 +50,30 @@ impl Effort<'_> {
     pub const fn scratch_len(&self, plan: &Plan) -> usize {
         if let Self::Dense(..) = self { Dense::scratch_len(plan) } else { plan.scratch_len() }
     }
+
+    /// Whether it has weights.
+    const fn trains(&self) -> bool {
+        Feature::Trained.is_built() && !matches!(self, Self::Tabled | Self::Fast)
+    }
+
+    /// What it takes that this build has not.
+    const fn missing(&self) -> Option<Feature> {
+        match self {
+            Self::Default(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
+            Self::Dense(..) if !Feature::Dense.is_built() => Some(Feature::Dense),
+            Self::Tabled if !Feature::Tabled.is_built() => Some(Feature::Tabled),
+            _ => None,
+        }
+    }
 }
 
 impl Codec {
     /// A codec that can be the value of a `static`.
-    pub const NEW: Self = Self { models: Models::NEW };
+    pub const NEW: Self = Self { memory: Memory::NEW };
 
     /// Makes `self` equal to [`Codec::NEW`].
     pub fn reset(&mut self) {
-        self.models.reset();
+        let _ = self.memory.models();
     }
 
     /// Encodes `samples` (x fastest) into the beginning of `out` and returns the length of the codestream.
@@ -66,7 +84,8 @@ impl Codec {
     /// # Errors
     /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Effort::scratch_len`]; [`EncodeError::SampleOutOfRange`] if a sample is outside `sample_type`;
-    /// [`EncodeError::OutputFull`] if `out` is too short; `samples` are what they were then.
+    /// [`EncodeError::NotBuilt`] if this build lacks the effort; [`EncodeError::OutputFull`] if `out` is too short;
+    /// `samples` are what they were then.
     #[expect(clippy::too_many_arguments, reason = "what to code, how, and the memory to do it in")]
     pub fn encode(
         &mut self,
@@ -77,6 +96,9 @@ impl Codec {
         scratch: &mut [i32],
         out: &mut [u8],
     ) -> Result<usize, EncodeError> {
+        if let Some(part) = effort.missing() {
+            return Err(EncodeError::NotBuilt(part));
+        }
         exactly(Slice::Samples, plan.extent().samples(), samples.len())?;
         at_least(Slice::Scratch, effort.scratch_len(plan), scratch.len())?;
         if let Some(index) = sample_type.first_outside(samples) {
@@ -87,9 +109,8 @@ impl Codec {
         let mut coefficients = Coefficients { plan: *plan, samples, scratch, wide: sample_type.bytes() > 2 };
         match self.encode_coefficients(effort, sample_type, &mut coefficients, stored.room(out)) {
             Ok(len) => return Ok(len),
-            Err(Full { resolution }) => {
-                let undone = plan.levels().saturating_sub(resolution.saturating_sub(1));
-                for level in (0..undone).rev() {
+            Err(Full { transformed }) => {
+                for level in (0..transformed).rev() {
                     plan.inverse_level(level, samples, scratch);
                 }
             }
@@ -97,7 +118,7 @@ impl Codec {
         stored.write(samples, out)
     }
 
-    /// Codes every resolution into `out`, and undoes the transform.
+    /// Codes every resolution into `out`, and undoes the transform as far as that takes.
     fn encode_coefficients(
         &mut self,
         mut effort: Effort<'_>,
@@ -106,7 +127,8 @@ impl Codec {
         out: &mut [u8],
     ) -> Result<usize, Full> {
         let plan = coefficients.plan;
-        if let Effort::Dense(dense, _) = &mut effort
+        if Feature::Dense.is_built()
+            && let Effort::Dense(dense, _) = &mut effort
             && plan.levels() == 0
             && Dense::suits(coefficients.samples)
         {
@@ -114,35 +136,32 @@ impl Codec {
             let Coefficients { samples, scratch, .. } = coefficients;
             let coded =
                 writer.push(|encoder| dense.code(encoder, plan.extent(), sample_type, samples, scratch));
-            return coded.and_then(|()| writer.finish()).ok_or(Full { resolution: 0 });
+            return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
+        }
+        if Feature::Tabled.is_built()
+            && matches!(effort, Effort::Tabled)
+            && plan.levels() == 0
+            && tabled::suits(plan.extent(), coefficients.samples)
+        {
+            let mut writer = SegmentWriter::new(sample_type, plan, Storage::Tabled, out);
+            let Coefficients { samples, scratch, .. } = coefficients;
+            let coded = writer
+                .push_only(|out| tabled::encode(&mut self.memory, plan.extent(), samples, scratch, out));
+            return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
         }
         let mut writer = SegmentWriter::new(sample_type, plan, Storage::Coded, out);
-        self.models.reset();
+        let models = self.memory.models().ok_or(Full { transformed: plan.levels() })?;
+        let mut transformed = plan.levels();
         for resolution in 0..=plan.levels() {
-            let coded = writer.push(|encoder| self.code(encoder, &mut effort, coefficients, resolution));
-            coded.ok_or(Full { resolution })?;
-            coefficients.undo_resolution(resolution);
+            let coded = writer.push(|encoder| code(encoder, models, &mut effort, coefficients, resolution));
+            coded.ok_or(Full { transformed })?;
+            // Only trained predictors look at the low-pass part of a level.
+            if effort.trains() {
+                coefficients.undo_resolution(resolution);
+                transformed = plan.levels().saturating_sub(resolution);
+            }
         }
-        writer.finish().ok_or(Full { resolution: plan.levels().saturating_add(1) })
-    }
-
-    /// Codes one resolution; `None` if it does not fit.
-    fn code(
-        &mut self,
-        encoder: &mut Encoder<'_>,
-        effort: &mut Effort<'_>,
-        coefficients: &mut Coefficients<'_>,
-        resolution: u8,
-    ) -> Option<()> {
-        for subband in coefficients.plan.subbands(resolution) {
-            let training = match effort {
-                Effort::Fast => None,
-                Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
-            };
-            let predictor = coefficients.best_predictor(subband, training)?;
-            coefficients.code(encoder, &mut self.models, subband, predictor)?;
-        }
-        Some(())
+        writer.finish().ok_or(Full { transformed })
     }
 
     /// Decodes a whole codestream into `samples`, x fastest.
@@ -150,7 +169,7 @@ impl Codec {
     /// # Errors
     /// [`DecodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Header::scratch_len`]; [`DecodeError::NeedsDense`] for what [`Effort::Dense`] encoded, which
-    /// [`Codec::decode_dense`] decodes; otherwise what is wrong with `bytes`. After an error `samples`
+    /// [`Codec::decode_dense`] decodes; [`DecodeError::NotBuilt`] for what this build lacks; otherwise what is wrong with `bytes`. After an error `samples`
     /// and `scratch` are meaningless.
     pub fn decode(
         &mut self,
@@ -209,16 +228,25 @@ impl Codec {
             (Storage::Lattice { .. }, _) => return Err(DecodeError::OtherCodec),
             (Storage::Dense, None) => return Err(DecodeError::NeedsDense),
             (Storage::Dense, dense) => dense,
-            (Storage::Coded | Storage::Stored, _) => None,
+            (Storage::Coded | Storage::Tabled | Storage::Stored, _) => None,
         };
         if level > plan.levels() {
             return Err(DecodeError::LevelOutOfRange { max: plan.levels() });
         }
         let payload = header.payload(bytes, level, samples, (header.scratch_len(), scratch))?;
-        if let Some(dense) = dense {
+        if Feature::Dense.is_built()
+            && let Some(dense) = dense
+        {
             header.each_segment(payload, 1, |_, decoder| {
-                dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch)
+                let coded = dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch);
+                Ok(coded.ok_or(Malformed::Segment)?)
             })?;
+        } else if header.storage == Storage::Tabled {
+            if !Feature::Tabled.is_built() {
+                return Err(DecodeError::NotBuilt(Feature::Tabled));
+            }
+            let decoded = tabled::decode(&mut self.memory, plan.extent(), payload, samples, scratch);
+            decoded.ok_or(Malformed::Segment)?;
         } else if header.is_stored() {
             restore(header.sample_type(), payload, samples);
             if level > 0 {
@@ -244,18 +272,42 @@ impl Codec {
         payload: &[u8],
         mut target: Coefficients<'_>,
     ) -> Result<(), DecodeError> {
-        self.models.reset();
+        let models = self.memory.models().ok_or(Malformed::Segment)?;
         header.each_segment(payload, target.plan.levels().saturating_add(1), |resolution, decoder| {
             for subband in target.plan.subbands(resolution) {
-                target.code(decoder, &mut self.models, subband, Predictor::Zero)?;
+                let coder = described(decoder);
+                let predictor = Predictor::Zero.code(coder, models, &target.plan, subband)?;
+                let coded = target.code(coder, models, subband, predictor);
+                coded.ok_or(Malformed::Segment)?;
             }
             target.undo_resolution(resolution);
-            Some(())
+            Ok(())
         })
     }
 }
 
-/// The output was too short for a resolution: the finer ones are still transformed.
+/// The output was too short; so many of the finest levels are still transformed.
 struct Full {
+    transformed: u8,
+}
+
+/// Codes one resolution; `None` if it does not fit.
+fn code(
+    encoder: &mut Encoder<'_>,
+    models: &mut Models,
+    effort: &mut Effort<'_>,
+    coefficients: &mut Coefficients<'_>,
     resolution: u8,
+) -> Option<()> {
+    for subband in coefficients.plan.subbands(resolution) {
+        let training = match effort {
+            Effort::Tabled | Effort::Fast => None,
+            Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
+        };
+        let predictor = coefficients.best_predictor(subband, training)?;
+        let coder = described(encoder);
+        let predictor = predictor.code(coder, models, &coefficients.plan, subband).ok()?;
+        coefficients.code(coder, models, subband, predictor)?;
+    }
+    Some(())
 }

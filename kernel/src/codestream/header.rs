@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::coder::{LARGEST_SLACK, SHRINKING};
 use crate::extent::to_usize;
 use crate::memory::copy;
-use crate::{DecodeError, Dense, Extent, Lattice, Malformed, Plan, SampleType, Wavelet};
+use crate::{DecodeError, Dense, Extent, Feature, Lattice, Malformed, Plan, PlanError, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
 pub(crate) const VERSION: u8 = 2;
@@ -30,6 +30,8 @@ pub(super) enum Storage {
     Coded,
     /// Under what is learnt from all samples before, in one segment.
     Dense,
+    /// Under weights and tables that it brings, in one segment.
+    Tabled,
     /// As they are, little-endian, in one segment.
     Stored,
     /// As residuals of finer and finer lattices, one segment per lattice: no further off than `slack`, in steps that
@@ -56,7 +58,8 @@ impl Header {
     /// Reads and checks the header at the beginning of `bytes`; what follows it is not looked at.
     ///
     /// # Errors
-    /// [`DecodeError::Truncated`] if `bytes` ends first; otherwise what is wrong with the header.
+    /// [`DecodeError::Truncated`] if `bytes` ends first; [`DecodeError::NotBuilt`] if this build lacks what the header
+    /// names; otherwise what is wrong with the header.
     pub fn parse(bytes: &[u8]) -> Result<Self, DecodeError> {
         let mut fields = Fields { bytes, taken: 0 };
         for expected in MAGIC {
@@ -71,19 +74,18 @@ impl Header {
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
         let plan = fields.plan(wavelet, storage)?;
-        if storage == Storage::Dense && plan.levels() > 0 {
+        if matches!(storage, Storage::Dense | Storage::Tabled) && plan.levels() > 0 {
             return Err(Malformed::Levels.into());
         }
         let storage = fields.precision(storage)?;
         let mut segments = Segments::new();
-        let count = if storage == Storage::Stored { 1 } else { plan.levels().wrapping_add(1) };
+        let count = if matches!(storage, Storage::Stored) { 1 } else { plan.levels().wrapping_add(1) };
         for _ in 0..count {
             // A plan has at most 31 levels, so the list cannot overflow.
             let _ = segments.push(fields.number()?);
         }
         let header = Self { sample_type, plan, storage, segments, header_bytes: fields.taken };
-        if storage == Storage::Stored && header.segments.first() != stored_bytes(&plan, sample_type).as_ref()
-        {
+        if header.is_stored() && header.segments.first() != stored_bytes(&plan, sample_type).as_ref() {
             return Err(Malformed::StoredLength.into());
         }
         Ok(header)
@@ -119,7 +121,7 @@ impl Header {
         match self.storage {
             Storage::Dense => Dense::scratch_len(&self.plan),
             Storage::Lattice { .. } => Lattice::decoding_scratch_len(self.plan.extent()),
-            Storage::Coded | Storage::Stored => self.plan.scratch_len(),
+            Storage::Coded | Storage::Tabled | Storage::Stored => self.plan.scratch_len(),
         }
     }
 
@@ -204,7 +206,10 @@ impl Fields<'_> {
         match self.byte()? {
             STORED => Ok(Storage::Stored),
             CODED => Ok(Storage::Coded),
+            DENSE if !Feature::Dense.is_built() => Err(DecodeError::NotBuilt(Feature::Dense)),
             DENSE => Ok(Storage::Dense),
+            LATTICE if !Feature::Lattice.is_built() => Err(DecodeError::NotBuilt(Feature::Lattice)),
+            TABLED => Ok(Storage::Tabled),
             LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
             _ => Err(Malformed::Reserved.into()),
         }
@@ -224,6 +229,9 @@ impl Fields<'_> {
     /// What a lattice has besides: its slack and how its steps shrink.
     fn precision(&mut self, storage: Storage) -> Result<Storage, DecodeError> {
         let Storage::Lattice { .. } = storage else { return Ok(storage) };
+        if !Feature::Lattice.is_built() {
+            return Ok(storage);
+        }
         let (slack, shrinking) = (self.number()?, self.byte()?);
         if slack > LARGEST_SLACK || usize::from(shrinking) >= SHRINKING.len() {
             return Err(Malformed::Reserved.into());
@@ -239,7 +247,13 @@ impl Fields<'_> {
         if (levels > 0 && !is_lattice) != wavelet.is_some() {
             return Err(Malformed::Levels.into());
         }
-        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|_| Malformed::Levels.into())
+        if is_lattice {
+            return Plan::without_wavelet(extent, levels).ok_or(Malformed::Levels.into());
+        }
+        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|error| match error {
+            PlanError::NotBuilt(part) => DecodeError::NotBuilt(part),
+            _ => Malformed::Levels.into(),
+        })
     }
 }
 
@@ -251,6 +265,10 @@ const CODED: u8 = 0;
 
 /// The storage field of dense samples.
 const DENSE: u8 = 1;
+
+/// The storage field of samples under tables.
+const TABLED: u8 = 3;
+
 /// The storage field of a lattice.
 const LATTICE: u8 = 2;
 
@@ -284,7 +302,7 @@ impl Header {
     }
 
     /// Bytes before the first segment.
-    pub(super) fn header_len(&self) -> usize {
+    pub(crate) fn header_len(&self) -> usize {
         to_usize(self.header_bytes)
     }
 
@@ -313,6 +331,7 @@ impl Header {
         let storage = match self.storage {
             Storage::Coded => CODED,
             Storage::Dense => DENSE,
+            Storage::Tabled => TABLED,
             Storage::Stored => STORED,
             Storage::Lattice { .. } => LATTICE,
         };

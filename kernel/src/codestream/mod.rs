@@ -4,6 +4,8 @@ mod header;
 mod near;
 mod segments;
 mod stored;
+#[cfg(test)]
+mod total;
 
 pub use codec::{Codec, Effort, max_encoded_len};
 pub use header::Header;

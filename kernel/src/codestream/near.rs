@@ -5,7 +5,9 @@ use super::segments::SegmentWriter;
 use super::stored::{Stored, restore};
 use crate::coder::{Coder, Grid, LARGEST_SLACK, Precision};
 use crate::error::{at_least, exactly};
-use crate::{DecodeError, EncodeError, Extent, Lattice, Malformed, Plan, SampleType, Slice, Wavelet};
+use crate::{
+    DecodeError, EncodeError, Extent, Feature, Lattice, Malformed, Plan, SampleType, Slice, Wavelet,
+};
 
 /// Levels that an encoder gives a lattice, at most.
 const MOST_LEVELS: u8 = 6;
@@ -48,7 +50,7 @@ impl Lattice {
     /// # Errors
     /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
     /// [`Lattice::encoding_scratch_len`]; [`EncodeError::SampleOutOfRange`] if a sample is outside `sample_type`;
-    /// [`EncodeError::OutputFull`] if `out` is too short.
+    /// [`EncodeError::OutputFull`] if `out` is too short; [`EncodeError::NotBuilt`] without the feature `lattice`.
     pub fn encode(
         &mut self,
         near: Near,
@@ -56,6 +58,9 @@ impl Lattice {
         scratch: &mut [i32],
         out: &mut [u8],
     ) -> Result<usize, EncodeError> {
+        if !Feature::Lattice.is_built() {
+            return Err(EncodeError::NotBuilt(Feature::Lattice));
+        }
         let Near { extent, sample_type, .. } = near;
         exactly(Slice::Samples, extent.samples(), samples.len())?;
         at_least(Slice::Scratch, Self::encoding_scratch_len(extent), scratch.len())?;
@@ -81,7 +86,7 @@ impl Lattice {
         let Near { extent, sample_type, slack } = near;
         let slack = slack.min(LARGEST_SLACK);
         let levels = levels(extent);
-        let plan = Plan::new(Wavelet::Haar, extent, levels).ok()?;
+        let plan = Plan::without_wavelet(extent, levels)?;
         let mut grid = Grid::of_samples(extent, precision(sample_type, slack, 0), samples, scratch)?;
         self.choose_shrinking(&mut grid);
         let storage = Storage::Lattice { slack, shrinking: grid.precision.shrinking };
@@ -148,7 +153,8 @@ impl Lattice {
                     Grid::of_nothing(extent, precision, level, samples, scratch).ok_or(Malformed::Extent)?;
                 let count = levels.saturating_sub(level).saturating_add(1);
                 header.each_segment(payload, count, |number, decoder| {
-                    self.code(decoder, &mut grid, levels.saturating_sub(number), levels)
+                    let coded = self.code(decoder, &mut grid, levels.saturating_sub(number), levels);
+                    Ok(coded.ok_or(Malformed::Segment)?)
                 })?;
                 order(header.sample_type(), samples);
             }

@@ -33,6 +33,18 @@ impl<'a> SegmentWriter<'a> {
         let mut encoder = Encoder::new(self.out.get_mut(self.end..)?);
         code(&mut encoder)?;
         let len = encoder.finish()?;
+        self.add(len)
+    }
+
+    /// Writes the only segment, of which `write` returns the length; `None` if it does not fit. Where this succeeds, so
+    /// does [`SegmentWriter::finish`].
+    pub(super) fn push_only(&mut self, write: impl FnOnce(&mut [u8]) -> Option<usize>) -> Option<()> {
+        let room = self.out.get_mut(self.end..)?;
+        let len = write(room.get_mut(..longest(room.len()))?)?;
+        self.add(len)
+    }
+
+    fn add(&mut self, len: usize) -> Option<()> {
         self.end = self.end.saturating_add(len);
         self.segments.push(u32::try_from(len).ok()?).ok()
     }
@@ -47,6 +59,15 @@ impl<'a> SegmentWriter<'a> {
         header.write(self.out);
         Some(total)
     }
+}
+
+/// The longest segment that fits into `room` bytes with all bytes of its length but the first, which has room already.
+fn longest(room: usize) -> usize {
+    let with = |more: u32| {
+        let bound = 1_usize.checked_shl(more.wrapping_add(1).wrapping_mul(7));
+        room.saturating_sub(to_usize(more)).min(bound.unwrap_or(0).wrapping_sub(1))
+    };
+    (0..5).map(with).max().unwrap_or(0)
 }
 
 impl Header {
@@ -69,23 +90,33 @@ impl Header {
         Ok(bytes.get(self.header_len()..).unwrap_or(&[]))
     }
 
-    /// Calls `decode` with the number and a decoder of each of the first `count` segments of `payload`, which returns
-    /// `None` for what no encoder writes.
+    /// Calls `decode` with the number and a decoder of each of the first `count` segments of `payload`.
     pub(super) fn each_segment(
         &self,
         mut payload: &[u8],
         count: u8,
-        mut decode: impl FnMut(u8, &mut Decoder<'_>) -> Option<()>,
+        mut decode: impl FnMut(u8, &mut Decoder<'_>) -> Result<(), DecodeError>,
     ) -> Result<(), DecodeError> {
         for (number, &bytes) in (0..count).zip(&self.segments) {
             let (segment, rest) = payload.split_at_checked(to_usize(bytes)).ok_or(DecodeError::Truncated)?;
             let mut decoder = Decoder::new(segment).ok_or(Malformed::Segment)?;
-            decode(number, &mut decoder).ok_or(Malformed::Segment)?;
+            decode(number, &mut decoder)?;
             if !decoder.is_consumed() {
                 return Err(Malformed::Segment.into());
             }
             payload = rest;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::longest;
+
+    #[test]
+    fn a_length_takes_room() {
+        assert_eq!([0, 1, 127, 128, 129, 130].map(longest), [0, 1, 127, 127, 128, 129]);
+        assert_eq!([16_384, 16_385, 16_386].map(longest), [16_383, 16_383, 16_384]);
     }
 }

@@ -55,7 +55,7 @@ impl<'a> Halves<'a> {
     }
 
     /// c_i <- update(c_i, \[d_{i-1}, d_i, d_{i+1}\]).
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn each_low(&mut self, beyond: Beyond, update: impl Fn(Sample, [Sample; 3]) -> Sample) {
         self.set_margins_of_high(beyond);
         let here = self.high.get(self.lanes..).unwrap_or_default();
@@ -64,7 +64,7 @@ impl<'a> Halves<'a> {
     }
 
     /// d_i <- update(d_i, \[c_i, c_{i+1}\]).
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn each_high(&mut self, update: impl Fn(Sample, [Sample; 2]) -> Sample) {
         self.set_margins_of_low();
         let next = self.low.get(self.lanes..).unwrap_or_default();
@@ -110,10 +110,14 @@ impl<'a> Halves<'a> {
 }
 
 /// Updates each value by the three beside it.
-#[inline(always)]
-fn each(values: &mut [i32], [a, b, c]: [&[i32]; 3], update: impl Fn(Sample, [Sample; 3]) -> Sample) {
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) fn each(
+    values: &mut [i32],
+    [a, b, c]: [&[i32]; 3],
+    update: impl Fn(Sample, [Sample; 3]) -> Sample,
+) {
     for (((value, &a), &b), &c) in values.iter_mut().zip(a).zip(b).zip(c) {
-        *value = update(Wrapping(*value), [a, b, c].map(Wrapping)).0;
+        *value = update(Wrapping(*value), [Wrapping(a), Wrapping(b), Wrapping(c)]).0;
     }
 }
 

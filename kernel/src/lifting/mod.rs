@@ -13,6 +13,8 @@ mod duchaineau;
 pub mod generalized;
 mod haar;
 mod halves;
+#[cfg(test)]
+mod inverts;
 mod linear;
 mod nearest;
 mod quadratic;
@@ -41,6 +43,13 @@ pub enum Wavelet {
     Cubic,
     /// psi_5: quintic B-spline, two vanishing moments; unstable over many levels (Diss §3.4.4).
     Quintic,
+}
+
+/// Which way a wavelet is applied.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Direction {
+    Forward,
+    Inverse,
 }
 
 impl Wavelet {
@@ -86,27 +95,42 @@ impl Wavelet {
         }
     }
 
-    /// Transforms the lines of `halves` (n >= 2 samples each).
+    /// Transforms the lines of `halves` (n >= 2 samples each). No plan has a wavelet that is not built.
     pub(crate) fn forward(self, halves: &mut Halves<'_>) {
         match self {
-            Self::Haar => haar::steps().forward(halves),
-            Self::Quadratic => quadratic::steps().forward(halves),
-            Self::Duchaineau => duchaineau::steps().forward(halves),
-            Self::Linear => linear::steps().forward(halves),
-            Self::Cubic => cubic::steps().forward(halves),
-            Self::Quintic => quintic::steps().forward(halves),
+            Self::Haar if cfg!(feature = "haar") => haar::steps().forward(halves),
+            Self::Quadratic if cfg!(feature = "quadratic") => quadratic::steps().forward(halves),
+            Self::Duchaineau if cfg!(feature = "duchaineau") => duchaineau::steps().forward(halves),
+            Self::Linear if cfg!(feature = "linear") => linear::steps().forward(halves),
+            Self::Cubic if cfg!(feature = "cubic") => cubic::steps().forward(halves),
+            Self::Quintic if cfg!(feature = "quintic") => quintic::steps().forward(halves),
+            _ => {}
         }
     }
 
     /// Undoes [`Wavelet::forward`]: the steps' inverses in reverse order.
     pub(crate) fn inverse(self, halves: &mut Halves<'_>) {
         match self {
-            Self::Haar => haar::steps().inverse(halves),
-            Self::Quadratic => quadratic::steps().inverse(halves),
-            Self::Duchaineau => duchaineau::steps().inverse(halves),
-            Self::Linear => linear::steps().inverse(halves),
-            Self::Cubic => cubic::steps().inverse(halves),
-            Self::Quintic => quintic::steps().inverse(halves),
+            Self::Haar if cfg!(feature = "haar") => haar::steps().inverse(halves),
+            Self::Quadratic if cfg!(feature = "quadratic") => quadratic::steps().inverse(halves),
+            Self::Duchaineau if cfg!(feature = "duchaineau") => duchaineau::steps().inverse(halves),
+            Self::Linear if cfg!(feature = "linear") => linear::steps().inverse(halves),
+            Self::Cubic if cfg!(feature = "cubic") => cubic::steps().inverse(halves),
+            Self::Quintic if cfg!(feature = "quintic") => quintic::steps().inverse(halves),
+            _ => {}
+        }
+    }
+
+    /// Applies or undoes one step on a row across many lines; see [`Lifting::lift_row`].
+    #[cfg(feature = "stream")]
+    pub(crate) fn lift_row(self, step: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match self {
+            Self::Haar => haar::steps().lift_row(step, direction, row, beside),
+            Self::Quadratic => quadratic::steps().lift_row(step, direction, row, beside),
+            Self::Duchaineau => duchaineau::steps().lift_row(step, direction, row, beside),
+            Self::Linear => linear::steps().lift_row(step, direction, row, beside),
+            Self::Cubic => cubic::steps().lift_row(step, direction, row, beside),
+            Self::Quintic => quintic::steps().lift_row(step, direction, row, beside),
         }
     }
 
@@ -124,7 +148,7 @@ impl Wavelet {
 
     /// The wavelet of that number, if there is one.
     pub(crate) fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|wavelet| wavelet.code() == code)
+        Self::ALL.iter().copied().find(|wavelet| wavelet.code() == code)
     }
 }
 

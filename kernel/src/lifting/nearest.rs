@@ -5,7 +5,7 @@ use core::num::Wrapping;
 /// \[numerator / D\], the nearest integer with ties toward +inf, for every `i32` numerator and D > 0.
 ///
 /// Takes two shifts where D is a power of two, else one product of 32 by 32 bits, so that vectors can do it.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn nearest<const D: i32>(numerator: Wrapping<i32>) -> Wrapping<i32> {
     match const { Reciprocal::of(D) } {
         Some(reciprocal) => reciprocal.nearest(numerator),
@@ -54,7 +54,7 @@ impl Reciprocal {
         Some(Self { factor, addend: factor.saturating_mul(bias), shift, offset: offset as i32 })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn nearest(self, numerator: Wrapping<i32>) -> Wrapping<i32> {
         let biased = u64::from(numerator.0.cast_unsigned() ^ (1 << 31));
         let product = biased.wrapping_mul(self.factor).wrapping_add(self.addend);

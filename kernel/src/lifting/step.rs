@@ -2,6 +2,10 @@
 
 use core::num::Wrapping;
 
+#[cfg(feature = "stream")]
+use super::Direction;
+#[cfg(feature = "stream")]
+use super::halves::each;
 use super::halves::{Beyond, Halves};
 
 type Sample = Wrapping<i32>;
@@ -13,6 +17,16 @@ pub(crate) trait Lifting: Sized {
 
     /// Undoes [`Lifting::forward`].
     fn inverse(&self, halves: &mut Halves<'_>);
+
+    /// Lifting steps.
+    #[cfg(feature = "stream")]
+    const STEPS: usize;
+
+    /// Applies or undoes one step on one coefficient of each of many lines: on a row across them.
+    ///
+    /// `beside` are the rows of the other kind that the step reads: d_{i-1}, d_i, d_{i+1}, or c_i, c_{i+1}, and any.
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, step: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]);
 
     /// This, and then `next`.
     fn then<L: Lifting>(self, next: L) -> Then<Self, L> {
@@ -61,35 +75,104 @@ impl<A: Lifting, B: Lifting> Lifting for Then<A, B> {
         self.1.inverse(halves);
         self.0.inverse(halves);
     }
+
+    #[cfg(feature = "stream")]
+    const STEPS: usize = A::STEPS.wrapping_add(B::STEPS);
+
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, step: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match step.checked_sub(A::STEPS) {
+            None => self.0.lift_row(step, direction, row, beside),
+            Some(step) => self.1.lift_row(step, direction, row, beside),
+        }
+    }
+}
+
+/// Forward, a step adds its term; its inverse subtracts it.
+const ADD: Sample = Wrapping(1);
+const SUBTRACT: Sample = Wrapping(-1);
+
+impl<F: Fn(Sample, Sample) -> Sample> Low<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c + sign * self.0(left, d));
+    }
 }
 
 impl<F: Fn(Sample, Sample) -> Sample> Lifting for Low<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c + self.0(left, d));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Nearest, |c, [left, d, _]| c - self.0(left, d));
+        self.lift(SUBTRACT, halves);
+    }
+
+    #[cfg(feature = "stream")]
+    const STEPS: usize = 1;
+
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, _: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match direction {
+            Direction::Forward => each(row, beside, |c, [left, d, _]| c + self.0(left, d)),
+            Direction::Inverse => each(row, beside, |c, [left, d, _]| c - self.0(left, d)),
+        }
+    }
+}
+
+impl<F: Fn(Sample, Sample, Sample) -> Sample> ZeroEndedLow<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_low(Beyond::Zero, |c, [left, d, right]| c + sign * self.0(left, d, right));
     }
 }
 
 impl<F: Fn(Sample, Sample, Sample) -> Sample> Lifting for ZeroEndedLow<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Zero, |c, [left, d, right]| c + self.0(left, d, right));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_low(Beyond::Zero, |c, [left, d, right]| c - self.0(left, d, right));
+        self.lift(SUBTRACT, halves);
+    }
+
+    #[cfg(feature = "stream")]
+    const STEPS: usize = 1;
+
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, _: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match direction {
+            Direction::Forward => each(row, beside, |c, [left, d, right]| c + self.0(left, d, right)),
+            Direction::Inverse => each(row, beside, |c, [left, d, right]| c - self.0(left, d, right)),
+        }
+    }
+}
+
+impl<F: Fn(Sample, Sample) -> Sample> High<F> {
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn lift(&self, sign: Sample, halves: &mut Halves<'_>) {
+        halves.each_high(|d, [c, next]| d + sign * self.0(c, next));
     }
 }
 
 impl<F: Fn(Sample, Sample) -> Sample> Lifting for High<F> {
     fn forward(&self, halves: &mut Halves<'_>) {
-        halves.each_high(|d, [c, next]| d + self.0(c, next));
+        self.lift(ADD, halves);
     }
 
     fn inverse(&self, halves: &mut Halves<'_>) {
-        halves.each_high(|d, [c, next]| d - self.0(c, next));
+        self.lift(SUBTRACT, halves);
+    }
+
+    #[cfg(feature = "stream")]
+    const STEPS: usize = 1;
+
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, _: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        match direction {
+            Direction::Forward => each(row, beside, |d, [c, next, _]| d + self.0(c, next)),
+            Direction::Inverse => each(row, beside, |d, [c, next, _]| d - self.0(c, next)),
+        }
     }
 }
 
@@ -100,5 +183,13 @@ impl<F: Fn(Sample, Sample) -> Sample> Lifting for FlippedHigh<F> {
 
     fn inverse(&self, halves: &mut Halves<'_>) {
         self.forward(halves);
+    }
+
+    #[cfg(feature = "stream")]
+    const STEPS: usize = 1;
+
+    #[cfg(feature = "stream")]
+    fn lift_row(&self, _: usize, _: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
+        each(row, beside, |d, [c, next, _]| self.0(c, next) - d);
     }
 }

@@ -4,7 +4,7 @@
 //! side. Either way memory is read and written in runs, and the compiler can work on many samples at once.
 
 use super::row::{Row, divide, interleave, join, separate};
-use crate::lifting::{Halves, Wavelet};
+use crate::lifting::{Direction, Halves, Wavelet};
 use crate::memory::copy;
 
 /// Lines lifted side by side along y and z: one cache line of samples.
@@ -13,13 +13,6 @@ const LANES: usize = 16;
 /// The most lines that are lifted at a time along x.
 const ROWS: usize = 16;
 
-/// Which way a wavelet is applied.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Direction {
-    Forward,
-    Inverse,
-}
-
 /// The first `part` samples per axis of a brick of `sides` samples per axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
@@ -27,11 +20,10 @@ pub(super) struct Part {
     pub(super) sides: [usize; 3],
 }
 
-/// A wavelet to be applied one way, and memory for the lines that it is applied to.
+/// A wavelet, and memory for the lines that it is applied to.
 #[derive(Debug)]
 pub(super) struct Lifter<'a> {
     pub(super) wavelet: Wavelet,
-    pub(super) direction: Direction,
     pub(super) scratch: &'a mut [i32],
 }
 
@@ -47,6 +39,10 @@ struct Lines {
 /// `i32`s of scratch that [`Lifter`] takes for a brick of these sides.
 pub(super) const fn scratch_len([x, y, z]: [usize; 3]) -> usize {
     let longest = if y > z { y } else { z };
+    if cfg!(feature = "small") {
+        let longest = if x > longest { x } else { longest };
+        return Halves::group_len(1, longest);
+    }
     let lanes = if x < LANES { x } else { LANES };
     let columns = if longest > 1 { Halves::group_len(lanes, longest) } else { 0 };
     let row = if x > 1 { Halves::group_len(1, x) } else { 0 };
@@ -57,41 +53,69 @@ impl Lifter<'_> {
     /// Lifts the lines of `part`, those longer than one sample: forward along x, y, z, inverse along z, y, x.
     ///
     /// Along x and y slice by slice, which the fastest memory may hold.
-    pub(super) fn lift(&mut self, part: Part, samples: &mut [i32]) {
+    pub(super) fn lift(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
+        if cfg!(feature = "small") {
+            return self.lift_singly(direction, part, samples);
+        }
         let ([x, y, z], [width, height, _]) = (part.part, part.sides);
         let slice = width.wrapping_mul(height);
-        if let Direction::Inverse = self.direction {
-            self.lift_depth(part, samples);
+        if let Direction::Inverse = direction {
+            self.lift_depth(direction, part, samples);
         }
         let columns = Lines { start: 0, stride: width, n: y, lanes: x };
         for slice in samples.chunks_mut(slice.max(1)).take(z) {
             let rows = slice.get_mut(..width.wrapping_mul(y)).unwrap_or_default();
-            match self.direction {
+            match direction {
                 Direction::Forward => {
-                    self.lift_rows(x, width, rows);
-                    self.lift_lines(columns, rows);
+                    self.lift_rows(direction, [x, width], rows);
+                    self.lift_lines(direction, columns, rows);
                 }
                 Direction::Inverse => {
-                    self.lift_lines(columns, rows);
-                    self.lift_rows(x, width, rows);
+                    self.lift_lines(direction, columns, rows);
+                    self.lift_rows(direction, [x, width], rows);
                 }
             }
         }
-        if let Direction::Forward = self.direction {
-            self.lift_depth(part, samples);
+        if let Direction::Forward = direction {
+            self.lift_depth(direction, part, samples);
+        }
+    }
+
+    /// The same line by line: less code, and memory for one line.
+    fn lift_singly(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
+        let ([x, y, z], [width, height, _]) = (part.part, part.sides);
+        let [x, y, z] = [(x, 1), (y, width), (z, width.wrapping_mul(height))];
+        let axes = match direction {
+            Direction::Forward => [(x, y, z), (y, x, z), (z, x, y)],
+            Direction::Inverse => [(z, x, y), (y, x, z), (x, y, z)],
+        };
+        for ((n, stride), (columns, right), (rows, down)) in axes {
+            if n < 2 {
+                continue;
+            }
+            for row in (0..rows).map(|row| row.wrapping_mul(down)) {
+                for start in (0..columns).map(|column| column.wrapping_mul(right).wrapping_add(row)) {
+                    let line = Lines { start, stride, n, lanes: 1 };
+                    self.lift_panel(direction, line, samples);
+                }
+            }
         }
     }
 
     /// Lifts along z.
-    fn lift_depth(&mut self, part: Part, samples: &mut [i32]) {
+    fn lift_depth(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
         let ([lanes, y, n], [width, height, _]) = (part.part, part.sides);
         for start in (0..y).map(|row| row.wrapping_mul(width)) {
-            self.lift_lines(Lines { start, stride: width.wrapping_mul(height), n, lanes }, samples);
+            self.lift_lines(
+                direction,
+                Lines { start, stride: width.wrapping_mul(height), n, lanes },
+                samples,
+            );
         }
     }
 
     /// Lifts the first `x` samples of each row of `width`.
-    fn lift_rows(&mut self, x: usize, width: usize, rows: &mut [i32]) {
+    fn lift_rows(&mut self, direction: Direction, [x, width]: [usize; 2], rows: &mut [i32]) {
         if x < 2 {
             return;
         }
@@ -99,7 +123,7 @@ impl Lifter<'_> {
         let batch = room.clamp(1, ROWS);
         for rows in rows.chunks_mut(width.wrapping_mul(batch).max(1)) {
             let mut halves = Halves::new(self.scratch, 1, x, batch);
-            match self.direction {
+            match direction {
                 Direction::Forward => {
                     each_row(rows, [x, width], &mut halves, separate);
                     self.wavelet.forward(&mut halves);
@@ -115,21 +139,25 @@ impl Lifter<'_> {
     }
 
     /// Lifts neighbouring lines, panel by panel.
-    fn lift_lines(&mut self, lines: Lines, samples: &mut [i32]) {
+    fn lift_lines(&mut self, direction: Direction, lines: Lines, samples: &mut [i32]) {
         if lines.n < 2 {
             return;
         }
         for lane in (0..lines.lanes).step_by(LANES) {
             let lanes = LANES.min(lines.lanes.wrapping_sub(lane));
-            self.lift_panel(Lines { start: lines.start.wrapping_add(lane), lanes, ..lines }, samples);
+            self.lift_panel(
+                direction,
+                Lines { start: lines.start.wrapping_add(lane), lanes, ..lines },
+                samples,
+            );
         }
     }
 
-    fn lift_panel(&mut self, panel: Lines, samples: &mut [i32]) {
+    fn lift_panel(&mut self, direction: Direction, panel: Lines, samples: &mut [i32]) {
         let mut halves = Halves::new(self.scratch, panel.lanes, panel.n, 1);
         // Where the first d is, and how far it is from one c or d to the next.
         let (in_turn, in_halves) = ((1, 2), (panel.n.div_ceil(2), 1));
-        let (from, to) = match self.direction {
+        let (from, to) = match direction {
             Direction::Forward => (in_turn, in_halves),
             Direction::Inverse => (in_halves, in_turn),
         };
@@ -137,7 +165,7 @@ impl Lifter<'_> {
             panel.gather(samples, low, (0, from.1));
             panel.gather(samples, high, from);
         }
-        match self.direction {
+        match direction {
             Direction::Forward => self.wavelet.forward(&mut halves),
             Direction::Inverse => self.wavelet.inverse(&mut halves),
         }
@@ -149,7 +177,7 @@ impl Lifter<'_> {
 }
 
 /// Calls `work` with the first `x` samples of each row of `width`, and with its halves.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn each_row(rows: &mut [i32], [x, width]: [usize; 2], halves: &mut Halves<'_>, work: impl Fn(Row<'_>)) {
     for (samples, (low, high)) in rows.chunks_mut(width.max(1)).zip(halves.groups()) {
         let samples = samples.get_mut(..x).unwrap_or_default();
@@ -161,7 +189,16 @@ impl Lines {
     /// Copies its samples `first`, `first + step`, … to a half.
     fn gather(self, samples: &[i32], half: &mut [i32], (first, step): (usize, usize)) {
         let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
-        let rows = samples.get(start..).unwrap_or_default().chunks(self.stride.wrapping_mul(step).max(1));
+        let pitch = self.stride.wrapping_mul(step);
+        if cfg!(feature = "small") {
+            let mut place = start;
+            for to in half {
+                *to = samples.get(place).copied().unwrap_or(0);
+                place = place.wrapping_add(pitch);
+            }
+            return;
+        }
+        let rows = samples.get(start..).unwrap_or_default().chunks(pitch.max(1));
         if self.lanes == LANES {
             for (to, from) in
                 half.as_chunks_mut::<LANES>().0.iter_mut().zip(rows.filter_map(<[i32]>::first_chunk))
@@ -176,8 +213,16 @@ impl Lines {
     /// Copies a half to its samples `first`, `first + step`, …
     fn scatter(self, samples: &mut [i32], half: &[i32], (first, step): (usize, usize)) {
         let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
-        let rows = samples.get_mut(start..).unwrap_or_default();
-        let rows = rows.chunks_mut(self.stride.wrapping_mul(step).max(1));
+        let pitch = self.stride.wrapping_mul(step);
+        if cfg!(feature = "small") {
+            let mut place = start;
+            for &from in half {
+                samples.get_mut(place).into_iter().for_each(|to| *to = from);
+                place = place.wrapping_add(pitch);
+            }
+            return;
+        }
+        let rows = samples.get_mut(start..).unwrap_or_default().chunks_mut(pitch.max(1));
         if self.lanes == LANES {
             for (to, from) in rows.filter_map(<[i32]>::first_chunk_mut).zip(half.as_chunks::<LANES>().0) {
                 *to = *from;

@@ -9,4 +9,7 @@ mod row;
 mod subband;
 
 pub use plan::Plan;
+#[cfg(feature = "stream")]
+pub(crate) use plan::row_scratch_len;
+pub(crate) use subband::Level;
 pub use subband::Subband;

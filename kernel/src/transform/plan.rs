@@ -1,9 +1,16 @@
 //! A transform that is known to be possible.
 
-use super::lift::{Direction, Lifter, Part, scratch_len};
+use super::lift::{Lifter, Part, scratch_len};
 use crate::error::{at_least, exactly};
+use crate::lifting::Direction;
 use crate::memory::move_within;
-use crate::{Extent, LengthError, PlanError, Slice, Wavelet};
+use crate::{Extent, Feature, LengthError, PlanError, Slice, Wavelet};
+
+/// `i32`s of scratch that [`Plan::lift_row`] takes for a row of `width`.
+#[cfg(feature = "stream")]
+pub(crate) const fn row_scratch_len(width: usize) -> usize {
+    scratch_len([width, 1, 1])
+}
 
 /// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only
 /// lent memory of the wrong length can still fail.
@@ -19,15 +26,27 @@ impl Plan {
     /// Plans `levels` levels of `wavelet` over `extent`; 0 levels mean no transform.
     ///
     /// # Errors
-    /// [`PlanError::TooManyLevels`] with the most that the extent allows.
+    /// [`PlanError::TooManyLevels`] with the most that the extent allows, [`PlanError::NotBuilt`] if this build lacks the
+    /// wavelet.
     pub const fn new(wavelet: Wavelet, extent: Extent, levels: u8) -> Result<Self, PlanError> {
         let max = extent.max_levels();
         if levels > max {
             return Err(PlanError::TooManyLevels { max });
         }
+        if levels > 0 && !Feature::Wavelet(wavelet).is_built() {
+            return Err(PlanError::NotBuilt(Feature::Wavelet(wavelet)));
+        }
         // Without levels all wavelets are the same, and so are their plans.
         let wavelet = if levels == 0 { Wavelet::Haar } else { wavelet };
         Ok(Self { wavelet, extent, levels })
+    }
+
+    /// Levels that no wavelet makes, for [`Lattice`](crate::Lattice); `None` if the extent does not allow them.
+    pub(crate) const fn without_wavelet(extent: Extent, levels: u8) -> Option<Self> {
+        if levels > extent.max_levels() {
+            return None;
+        }
+        Some(Self { wavelet: Wavelet::Haar, extent, levels })
     }
 
     /// The wavelet; with 0 levels always psi_H, whatever was asked for.
@@ -118,6 +137,13 @@ impl Plan {
         self.lift(level, Direction::Inverse, samples, scratch);
     }
 
+    /// Transforms one row along x, or back: the first level of a line. `scratch` is [`row_scratch_len`] long.
+    #[cfg(feature = "stream")]
+    pub(crate) fn lift_row(wavelet: Wavelet, direction: Direction, row: &mut [i32], scratch: &mut [i32]) {
+        let sides = [row.len(), 1, 1];
+        Lifter { wavelet, scratch }.lift(direction, Part { part: sides, sides }, row);
+    }
+
     fn check(&self, samples: &[i32], scratch: &[i32]) -> Result<(), LengthError> {
         exactly(Slice::Samples, self.extent.samples(), samples.len())?;
         at_least(Slice::Scratch, self.scratch_len(), scratch.len())
@@ -125,7 +151,7 @@ impl Plan {
 
     fn lift(&self, level: u8, direction: Direction, samples: &mut [i32], scratch: &mut [i32]) {
         let part = Part { part: self.extent.coarsened(level).sides(), sides: self.extent.sides() };
-        Lifter { wavelet: self.wavelet, direction, scratch }.lift(part, samples);
+        Lifter { wavelet: self.wavelet, scratch }.lift(direction, part, samples);
     }
 
     const fn transform_scratch_len(&self) -> usize {

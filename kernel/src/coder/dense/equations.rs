@@ -9,10 +9,10 @@ pub(super) const TAPS: usize = 24;
 const UNKNOWNS: usize = 19;
 
 /// Samples that are gathered before the equations see them, at most.
-pub(super) const CHUNK: usize = 64;
+pub(in crate::coder) const CHUNK: usize = 64;
 
 /// Fraction bits of weights.
-pub(super) const WEIGHT_BITS: u32 = 12;
+pub(in crate::coder) const WEIGHT_BITS: u32 = 12;
 
 /// Bits of a sample's largest difference as it is predicted from.
 pub(super) const SCALED_BITS: u32 = 14;
@@ -45,11 +45,11 @@ const INVERSE_BITS: u32 = 46;
 const LARGEST_WEIGHT: i32 = (8 << FACTOR_BITS) - 64;
 
 /// The weights of a prediction.
-pub(super) type Weights = [i16; TAPS];
+pub(in crate::coder) type Weights = [i16; TAPS];
 
 /// The differences of a chunk of samples, and what they were to predict, of few bits.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Chunk {
+pub(in crate::coder) struct Chunk {
     differences: [[i16; CHUNK]; UNKNOWNS],
     targets: [i16; CHUNK],
     len: usize,
@@ -59,7 +59,7 @@ pub(super) struct Chunk {
 
 impl Chunk {
     #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
-    pub(super) const NEW: Self =
+    pub(in crate::coder) const NEW: Self =
         Self { differences: [[0; CHUNK]; UNKNOWNS], targets: [0; CHUNK], len: 0, tells: false };
 
     /// Samples gathered.
@@ -78,7 +78,7 @@ impl Chunk {
     }
 
     /// Takes one sample more, at most [`CHUNK`] in all: its differences of [`SCALED_BITS`] bits, and its own.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn push(&mut self, differences: &[i16; TAPS], target: i32) {
         const DOWN: u32 = SCALED_BITS - OBSERVED_BITS;
         const HALF: i16 = 1 << (DOWN - 1);
@@ -102,8 +102,25 @@ impl Chunk {
         self.len = self.len.wrapping_add(1);
     }
 
+    /// Takes `len` samples at once, in place of all others: `fill` makes their differences of each of `sources` in turn,
+    /// and what these were to predict of the last.
+    pub(in crate::coder) fn load<S>(
+        &mut self,
+        len: usize,
+        sources: impl Iterator<Item = S>,
+        fill: impl Fn(&mut [i16], S),
+    ) {
+        let mut sources = sources.peekable();
+        let mut rows = self.differences.iter_mut();
+        while let Some(source) = sources.next() {
+            let row = if sources.peek().is_some() { rows.next() } else { Some(&mut self.targets) };
+            fill(row.and_then(|row| row.get_mut(..len)).unwrap_or(&mut []), source);
+        }
+        self.len = len;
+    }
+
     /// The products of the first `taps` differences with one another and with the target, summed up; forgets them.
-    pub(super) fn products(&mut self, taps: usize) -> Sums {
+    pub(in crate::coder) fn products(&mut self, taps: usize) -> Sums {
         for row in self.differences.iter_mut().chain([&mut self.targets]) {
             row.get_mut(self.len..).unwrap_or(&mut []).fill(0);
         }
@@ -122,14 +139,14 @@ impl Chunk {
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn dot(a: &[i16; CHUNK], b: &[i16; CHUNK]) -> i32 {
     let products = a.iter().zip(b).map(|(&a, &b)| i32::from(a).wrapping_mul(b.into()));
     products.fold(0, i32::wrapping_add)
 }
 
 /// What the weights make of the differences, in 1/2^[`WEIGHT_BITS`].
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn predict(weights: &Weights, differences: &[i16; TAPS]) -> i32 {
     let products = weights.iter().zip(differences).map(|(&w, &d)| i32::from(w).wrapping_mul(d.into()));
     products.fold(0, i32::wrapping_add)
@@ -137,22 +154,22 @@ pub(super) fn predict(weights: &Weights, differences: &[i16; TAPS]) -> i32 {
 
 /// Sums of products: the matrix of normal equations, and their right-hand sides.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Sums {
+pub(in crate::coder) struct Sums {
     matrix: [i32; ENTRIES],
     right: [i32; UNKNOWNS],
 }
 
 impl Sums {
-    pub(super) const ZERO: Self = Self { matrix: [0; ENTRIES], right: [0; UNKNOWNS] };
+    pub(in crate::coder) const ZERO: Self = Self { matrix: [0; ENTRIES], right: [0; UNKNOWNS] };
 
     /// Makes `self` equal to [`Sums::ZERO`].
-    pub(super) fn clear(&mut self) {
+    pub(in crate::coder) fn clear(&mut self) {
         self.matrix.fill(0);
         self.right.fill(0);
     }
 
     /// Forgets `decay` 256ths, and adds `new`.
-    pub(super) fn renew(&mut self, new: &Self, decay: i32) {
+    pub(in crate::coder) fn renew(&mut self, new: &Self, decay: i32) {
         self.combine(new, |sum, new| sum.wrapping_sub((sum >> 8).wrapping_mul(decay)).wrapping_add(new));
     }
 
@@ -161,7 +178,7 @@ impl Sums {
         self.combine(other, |sum, other| sum.wrapping_add((other >> 2).wrapping_mul(quarters)));
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn combine(&mut self, other: &Self, combined: impl Fn(i32, i32) -> i32) {
         for (sum, other) in self.matrix.iter_mut().zip(&other.matrix) {
             *sum = combined(*sum, *other);
@@ -174,7 +191,7 @@ impl Sums {
     /// Solves the first `unknowns` equations by their factors L D L^T; the right-hand sides are one row more.
     ///
     /// `None` never happens: the sizes agree.
-    pub(super) fn solve(&self, unknowns: usize, weights: &mut Weights) -> Option<()> {
+    pub(in crate::coder) fn solve(&self, unknowns: usize, weights: &mut Weights) -> Option<()> {
         let mut all = 0;
         for (n, right) in self.right.iter().enumerate().take(unknowns) {
             let (_, diagonal) = self.row(n)?;
@@ -193,7 +210,7 @@ impl Sums {
     }
 
     /// The entries of row `n` left of the diagonal, and that on it with the ridge added.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn row(&self, n: usize) -> Option<(&[i32], i32)> {
         let next = n.wrapping_add(1);
         let start = n.wrapping_mul(next) >> 1;
@@ -220,7 +237,7 @@ impl Factors {
     const ZERO: Self = Self { rows: [[0; UNKNOWNS]; UNKNOWNS + 1], inverses: [0; UNKNOWNS] };
 
     /// Finds row `n` from its entries left of the diagonal, and what the rows above take from the diagonal itself.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn eliminate(&mut self, n: usize, entries: &[i32], scaled: &impl Fn(i32) -> i32) -> Option<i32> {
         let (known, rest) = self.rows.split_at_mut_checked(n)?;
         let row = rest.first_mut()?;
@@ -257,7 +274,7 @@ impl Factors {
 const LARGEST_FACTOR: i64 = (1 << 31) - 1;
 
 /// The sum of the products of parts and factors.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn products(parts: &[i32], factors: &[i32]) -> i32 {
     let products = parts.iter().zip(factors).map(|(&p, &f)| i64::from(p).wrapping_mul(f.into()));
     low_word(products.fold(0, i64::wrapping_add) >> FACTOR_BITS)

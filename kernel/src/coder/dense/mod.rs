@@ -9,11 +9,12 @@ mod neighbours;
 mod residual;
 mod row;
 
-use self::equations::{CHUNK, Chunk, Sums, TAPS, WEIGHT_BITS, Weights};
+pub(super) use self::equations::{CHUNK, Chunk, Sums, WEIGHT_BITS as SOLUTION_BITS, Weights as Solution};
+use self::equations::{TAPS, Weights};
 use self::neighbours::{BRICK, LINE, PLANE, Surroundings, known_at, taps};
 use self::residual::Models;
 use self::row::{Row, Scale};
-use super::Coder;
+use super::{Coder, range};
 use crate::{Extent, Plan, SampleType};
 
 /// Parts of a row with equations of their own, at most.
@@ -70,7 +71,7 @@ impl Column {
 
     /// Starts with the weights of a plane, W + N - NW, or of a brick, W + 3/4 (N + U - NW - UW).
     fn reset(&mut self, known: u8) {
-        const ONE: i16 = 1 << WEIGHT_BITS;
+        const ONE: i16 = 1 << SOLUTION_BITS;
         const PART: i16 = ONE / 4 * 3;
         self.fast.clear();
         self.slow.clear();
@@ -276,14 +277,6 @@ impl Dense {
         }
         Some(())
     }
-}
-
-/// The smallest and the largest sample.
-fn range(samples: &[i32]) -> (i32, i32) {
-    let first = samples.first().copied().unwrap_or(0);
-    samples
-        .iter()
-        .fold((first, first), |(lowest, highest), &sample| (lowest.min(sample), highest.max(sample)))
 }
 
 #[cfg(test)]

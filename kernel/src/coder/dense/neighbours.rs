@@ -127,7 +127,7 @@ impl<'a> Surroundings<'a> {
 }
 
 /// The samples of a row from `x` on.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn window(row: &[i32], x: usize) -> Option<&[i32; WINDOW]> {
     row.get(x..)?.first_chunk()
 }
@@ -143,7 +143,7 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     /// Those of the sample at `x` of a row with `rows` around and `wests` before it, the nearest last.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn of<const KNOWN: u8>(rows: &[&[i32]; 7], wests: [i32; 3], x: usize) -> Option<Self> {
         let [www, ww, w] = wests;
         let mut differences = [w; TAPS];

@@ -126,7 +126,7 @@ impl Models {
 
     /// What is known of a residual: the prediction in 1/16 of a `span` that begins at 0, the samples `nearest` and the
     /// errors around. `None` never happens: every class is in its range.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn expect<const KNOWN: u8>(
         &mut self,
         prediction: i32,
@@ -184,7 +184,7 @@ pub(super) struct Errors {
 
 impl Errors {
     /// About the size of the next error, in 1/16, times 1.03 or so.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn energy<const KNOWN: u8>(&self) -> u32 {
         let size = |error: &i32| error.unsigned_abs();
         let near = [self.west, self.north, self.up].iter().map(size).fold(0, u32::wrapping_add);
@@ -196,27 +196,27 @@ impl Errors {
 }
 
 /// 0 to 3, then four classes an octave.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn quarter_octave(size: u32) -> usize {
     let octave = 29_u32.wrapping_sub(size.max(4).leading_zeros());
     to_usize(octave.wrapping_mul(4).wrapping_add(size >> octave))
 }
 
 /// The class of an energy.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn energy_class(energy: u32) -> usize {
     let class = quarter_octave(energy);
     if class < CLASSES { class } else { (class & 3) | (CLASSES - 4) }
 }
 
 /// 0 for a negative error, 2 for a positive one, 1 for one of about zero.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn sign(error: i32) -> usize {
     usize::from(error >= -8).wrapping_add(usize::from(error >= 8))
 }
 
 /// Seven classes of errors, from negative to positive.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn step(error: i32) -> usize {
     let size = error.unsigned_abs();
     let size =
@@ -225,7 +225,7 @@ fn step(error: i32) -> usize {
 }
 
 /// Three digits of a base as one number.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 const fn joined([a, b, c]: [usize; 3], base: usize) -> usize {
     a.wrapping_mul(base).wrapping_add(b).wrapping_mul(base).wrapping_add(c)
 }
@@ -247,7 +247,7 @@ pub(super) struct Expected<'a> {
 
 impl Expected<'_> {
     /// Codes a sample.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn code<C: Coder>(mut self, coder: &mut C, sample: i32) -> i32 {
         let leans_down = self.leans_down;
         let leaning = |residual: i32| if leans_down { residual.wrapping_neg() } else { residual };
@@ -261,7 +261,7 @@ impl Expected<'_> {
     }
 
     /// A residual as it is.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn code_whole<C: Coder>(&mut self, coder: &mut C, residual: i32) -> i32 {
         if !self.decide(coder, 0, residual != 0) {
             return 0;
@@ -273,7 +273,7 @@ impl Expected<'_> {
 
     /// A residual whose sign comes first, then the magnitude above its low bits, then these. -1 - n has the magnitude
     /// of n.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn code_split<C: Coder>(&mut self, coder: &mut C, residual: i32) -> i32 {
         let negative = self.decide(coder, 1, residual < 0);
         let size = (if residual < 0 { !residual } else { residual }).cast_unsigned();
@@ -287,7 +287,7 @@ impl Expected<'_> {
     }
 
     /// A number above 0.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn code_magnitude<C: Coder>(&mut self, coder: &mut C, magnitude: u32) -> u32 {
         let octave = magnitude.checked_ilog2().unwrap_or(0);
         let mut reached = 0;
@@ -310,7 +310,7 @@ impl Expected<'_> {
     }
 
     /// One decision under the mixed chances of its contexts.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn decide<C: Coder>(&mut self, coder: &mut C, node: usize, bit: bool) -> bool {
         let slot = node.min(NODES - 1);
         let mut odds = [BIAS; CONTEXTS + 1];
@@ -331,7 +331,7 @@ impl Expected<'_> {
 }
 
 /// One decision under the chance of a single counter.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn decide_alone<C: Coder>(coder: &mut C, counter: &mut Counter, bit: bool) -> u32 {
     const LEAST: u32 = 64;
     let bit = coder.decide(bit, counter.chance().clamp(LEAST, (1 << 16) - LEAST));

@@ -50,7 +50,7 @@ impl Scale {
     }
 
     /// What a prediction lost when `sample` was coded.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn loss(&self, sample: i32, prediction: i32) -> i32 {
         let error = (sample << FRACTION_BITS).wrapping_sub(prediction).unsigned_abs();
         (error >> self.loss_bits).min(LARGEST_LOSS).cast_signed()
@@ -126,7 +126,7 @@ struct Scaled {
 }
 
 impl Scaled {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn new(differences: &[i32; TAPS]) -> Self {
         let all = differences.iter().fold(0, |all, difference| all | difference.unsigned_abs());
         let bits = u32::BITS.wrapping_sub(all.leading_zeros());
@@ -141,13 +141,13 @@ impl Scaled {
     }
 
     /// A difference in the same scale.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     const fn of(&self, difference: i32) -> i32 {
         difference << self.up >> self.down
     }
 
     /// The fast and the slow prediction, in 1/16.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn predictions(&self, west: i32, column: &Column, scale: &Scale) -> [i32; 2] {
         let west = west << FRACTION_BITS;
         if self.flat {
@@ -162,7 +162,7 @@ impl Scaled {
 }
 
 /// The mean of the fast and the slow prediction, each weighted by the inverse square of what it lost around.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn mixed([fast, slow]: [i32; 2], losses: i32) -> i32 {
     let losses = losses.cast_unsigned();
     let [of_fast, of_slow] = [losses >> 16, losses & 0xFFFF].map(|loss| {

@@ -11,7 +11,7 @@ const LARGEST: i32 = 1 << 20;
 pub(super) const ROWS: usize = 6;
 
 /// A residual as it is remembered.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn remembered(residual: i32) -> i32 {
     residual.clamp(-LARGEST, LARGEST)
 }
@@ -69,7 +69,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The context of each sample of the row, given the two residuals before.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn iter(&self) -> impl Iterator<Item = Surrounding> + '_ {
         let pairs = self.energies.iter().zip(self.patterns.iter());
         pairs.map(|(&energy, &pattern)| Surrounding { energy, pattern })
@@ -112,7 +112,7 @@ pub(super) struct Surrounding {
 }
 
 impl Surrounding {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn after(self, west: i32, west_west: i32) -> Context {
         let (magnitude, far) = (west.wrapping_abs(), west_west.wrapping_abs());
         let sum = self.energy.wrapping_add(magnitude.wrapping_mul(8)).wrapping_add(far.wrapping_mul(3));
@@ -140,7 +140,7 @@ struct Values {
 }
 
 impl Values {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn energy(self) -> i32 {
         let [north_west, north, north_east] = self.north.map(i32::wrapping_abs);
         let [up_west, up, up_east] = self.up.map(i32::wrapping_abs);
@@ -153,7 +153,7 @@ impl Values {
         (near << 2).wrapping_add(far << 1).wrapping_add(far)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn pattern(self) -> i32 {
         let [north_west, north, north_east] = self.north;
         let [_, up, _] = self.up;

@@ -221,7 +221,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn code<C: Coder>(
         self,
         coder: &mut C,

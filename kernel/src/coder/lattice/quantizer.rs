@@ -49,7 +49,7 @@ impl Quantizer {
     }
 
     /// The number of steps nearest to `sample` - `predicted`.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn index(&self, sample: i32, predicted: i32) -> i32 {
         if self.step == 1 {
             return sample.wrapping_sub(predicted);
@@ -66,7 +66,7 @@ impl Quantizer {
     }
 
     /// The sample that is `index` steps from `predicted`, in the range of the samples.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn sample(&self, predicted: i32, index: i32) -> i32 {
         if self.step == 1 {
             return predicted.wrapping_add(index);

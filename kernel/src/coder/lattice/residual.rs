@@ -31,7 +31,7 @@ pub(super) struct Context {
 }
 
 impl Context {
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn class(self) -> usize {
         let energy = self.energy.cast_unsigned();
         if energy < 6 {
@@ -103,7 +103,7 @@ impl Models {
     }
 
     /// Codes one residual.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn code<C: Coder>(
         &mut self,
         coder: &mut C,
@@ -116,7 +116,7 @@ impl Models {
     }
 
     /// The residual; `None`, which cannot be, if a model is missing.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn code_at<C: Coder>(&mut self, coder: &mut C, residual: i32, place: Place, band: usize) -> Option<i32> {
         let [zero, sign, more] = self.by_class.get_mut(band)?.get_mut(place.class)?;
         let [zero_weights, sign_weights, more_weights] = self.weights.get_mut(band)?;
@@ -147,7 +147,7 @@ struct Place {
 }
 
 /// Codes a magnitude above one: its length, the two bits after the leading one, and the rest as it is.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn code_large<C: Coder>(
     coder: &mut C,
     magnitude: u32,
@@ -176,7 +176,7 @@ fn code_large<C: Coder>(
 }
 
 /// Codes a decision by one counter.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn learn<C: Coder>(coder: &mut C, bit: bool, counter: &mut Counter) -> bool {
     let bit = coder.decide(bit, counter.chance().clamp(LEAST_CHANCE, (1 << 16) - LEAST_CHANCE));
     counter.learn(bit);
@@ -184,7 +184,7 @@ fn learn<C: Coder>(coder: &mut C, bit: bool, counter: &mut Counter) -> bool {
 }
 
 /// Codes a decision by two counters whose odds are mixed.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
 fn decide<C: Coder>(coder: &mut C, bit: bool, counters: [&mut Counter; 2], weights: &mut [i32; 2]) -> bool {
     let [first, second] = counters;
     let odds = [first.odds(), second.odds()];

@@ -32,7 +32,7 @@ impl<'a> Window<'a> {
     }
 
     /// The row in `slot`, from `column` on.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn row(&self, slot: usize, column: isize) -> &[i32] {
         let start = slot.wrapping_mul(self.pitch).wrapping_add(MARGIN).wrapping_add_signed(column);
         self.rows.get(start..slot.wrapping_add(1).wrapping_mul(self.pitch)).unwrap_or(&[])

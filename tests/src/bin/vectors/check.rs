@@ -6,7 +6,7 @@ use std::path::Path;
 use conformance::vectors::{Expect, Manifest, Vector, crc32, folder, outcome, sha256};
 
 /// Folders of codestreams; each file in them has an entry.
-const FOLDERS: [&str; 3] = ["v2", "handmade", "reject"];
+const FOLDERS: [&str; 4] = ["v2", "streams", "handmade", "reject"];
 /// A vector is small enough to read in a dump.
 const MAX_BYTES: usize = 3 * 1024;
 /// All of `vectors/`.
@@ -48,7 +48,7 @@ fn check_vector(manifest: &Manifest, vector: &Vector) -> Result<(), String> {
     let name = Path::new(file).file_stem().and_then(|stem| stem.to_str());
     let folder_name = file.split('/').next().unwrap_or_default();
     if name != Some(id) || !FOLDERS.contains(&folder_name) {
-        return Err(format!("{id}: its file is vectors/{{v2,handmade,reject}}/{id}.wlc, not {file}"));
+        return Err(format!("{id}: its file is vectors/{{v2,streams,handmade,reject}}/{id}.wlc, not {file}"));
     }
     if vector.recipe().is_ok_and(|(_, recipe)| recipe.slack() == 0) {
         let found = Expect::Crc32(crc32(&manifest.samples(vector)?));

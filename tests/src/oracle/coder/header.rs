@@ -204,7 +204,7 @@ pub(super) fn write(choices: &Choices, lengths: &[usize]) -> Vec<u8> {
     bytes
 }
 
-fn type_and_wavelet(byte: u8) -> Result<(SampleType, Option<Psi>), Reject> {
+pub(super) fn type_and_wavelet(byte: u8) -> Result<(SampleType, Option<Psi>), Reject> {
     let sample_type = SampleType::ALL.get(usize::from(byte & 0x0F)).ok_or(Reject::Reserved)?;
     let psi = match usize::from(byte >> 4) {
         0 => None,
@@ -214,7 +214,7 @@ fn type_and_wavelet(byte: u8) -> Result<(SampleType, Option<Psi>), Reject> {
 }
 
 /// Seven bits to a byte, least significant first; all but the last have the top bit set.
-fn number_bytes(number: usize) -> Vec<u8> {
+pub(in crate::oracle) fn number_bytes(number: usize) -> Vec<u8> {
     if number < 128 {
         return vec![number as u8];
     }
@@ -223,19 +223,19 @@ fn number_bytes(number: usize) -> Vec<u8> {
     bytes
 }
 
-struct Fields<'a> {
-    bytes: &'a [u8],
-    read: usize,
+pub(super) struct Fields<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) read: usize,
 }
 
 impl Fields<'_> {
-    fn byte(&mut self) -> Result<u8, Reject> {
+    pub(super) fn byte(&mut self) -> Result<u8, Reject> {
         let byte = *self.bytes.get(self.read).ok_or(Reject::Truncated)?;
         self.read += 1;
         Ok(byte)
     }
 
-    fn number(&mut self) -> Result<usize, Reject> {
+    pub(super) fn number(&mut self) -> Result<usize, Reject> {
         let mut number = 0;
         for place in 0..5 {
             let byte = self.byte()?;

@@ -1,0 +1,146 @@
+//! `wavelift surface build`.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use wavelift_host::field::ScalarField;
+use wavelift_host::measure::SurfaceDistance;
+use wavelift_host::mesh::Report;
+use wavelift_host::pipeline::{self, BuildOptions, Built, Source, Stage};
+use wavelift_host::surface_codec;
+use wavelift_host::volume::{self, Fault, WriteOptions};
+
+use super::encode::{self, How};
+use super::file::{bad, is_mesh, read_field, read_mesh, write_bytes, write_mesh};
+use super::wrap;
+use crate::cli::exit::Failure;
+use crate::cli::input::{RawArgs, refuse_same_file};
+use crate::cli::output::{print, tell};
+
+/// Share of a cell's edge that coding may move a surface by, unless something else is asked for.
+const FINE: f64 = 0.02;
+
+/// Samples by which the surface is compared with the contour.
+const SAMPLES: usize = 100_000;
+
+/// Build a compressed surface from an isosurface of a volume, or from a mesh
+///
+/// Contour, signed distance, base mesh, shrink-wrap, wavelets, coding: all in one go.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  wavelift surface build engine.nrrd engine.wsurf --iso 80
+  wavelift surface build horse.ply horse.wsurf --share 0.005 --levels 4 --bytes 25000")]
+pub(crate) struct Args {
+    /// Volume, or mesh by its name: .ply, .obj, .stl, .off, .gltf or .glb
+    input: PathBuf,
+    /// Surface to write: .wsurf
+    output: PathBuf,
+    /// The value of the isosurface of a volume; larger ones are inside
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    iso: Option<f32>,
+    /// Vertices of the base mesh, as a share of those of the contour or the mesh
+    #[arg(long, value_name = "S", default_value_t = 0.02)]
+    share: f64,
+    /// How often faces are split
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    levels: u32,
+    /// Splits no further once the surface fits this well, in cells' edges
+    #[arg(long, value_name = "T", default_value_t = 0.0)]
+    tolerance: f64,
+    /// Cells along the longest axis of a mesh
+    #[arg(long, value_name = "N", default_value_t = 192)]
+    cells: usize,
+    /// Edges of a mesh are sharp where its faces turn by more than so many degrees
+    #[arg(long, value_name = "DEGREES")]
+    sharp: Option<f64>,
+    /// Writes contour.ply, distance.nrrd, base.ply and finest.ply into this folder, too
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
+    #[command(flatten)]
+    how: How,
+    #[command(flatten)]
+    raw: RawArgs,
+}
+
+/// Builds, and tells what each stage came to.
+///
+/// # Errors
+/// A [`Failure`]; OUTPUT is what it was then.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    refuse_same_file(&args.input, &args.output)?;
+    let field = field(args)?;
+    let source = match (&field, args.iso) {
+        (Some(field), Some(iso)) => Source::Isosurface(field, iso),
+        _ => Source::Mesh(read_mesh(&args.input)?),
+    };
+    let options = BuildOptions {
+        share: args.share,
+        levels: args.levels,
+        tolerance: args.tolerance,
+        cells: args.cells,
+        sharp: args.sharp,
+    };
+    let mut times = Vec::new();
+    let mut observe = |stage: Stage, time: Duration| {
+        tell(format_args!("{:9} {:8.2} s", stage.name(), time.as_secs_f64()));
+        times.push(format!("{} {:.2} s", stage.name(), time.as_secs_f64()));
+    };
+    let built = pipeline::build(source, &options, &mut observe).map_err(|error| bad(&args.input, error))?;
+    if let Some(folder) = &args.keep {
+        keep(folder, &built)?;
+    }
+    let surface = &built.wrapped.surface;
+    let cell = built.distance.grid().cell_edge();
+    let encoded = surface_codec::encode(surface, &args.how.settings(FINE * cell));
+    let encoded = encoded.map_err(|error| bad(&args.input, error))?;
+    write_bytes(&args.output, &encoded.bytes)?;
+    let fit = fit(&built, cell);
+    print(&format!(
+        "contour: {}\nbase:    {}\n{}{fit}times: {}\n{}",
+        Report::of(&built.contour),
+        Report::of(&built.base),
+        wrap::text(&built.wrapped.report),
+        times.join(", "),
+        encode::text(&args.output, surface, &encoded),
+    ))
+}
+
+/// The field, if INPUT is a volume.
+fn field(args: &Args) -> Result<Option<ScalarField>, Failure> {
+    match (is_mesh(&args.input), args.iso) {
+        (true, Some(_)) => {
+            Err(Failure::new(Fault::Usage, "--iso is for volumes, and INPUT is a mesh: leave it out"))
+        }
+        (true, None) => Ok(None),
+        (false, None) => Err(Failure::new(Fault::Usage, "which surface of the volume? give --iso")),
+        (false, Some(_)) => read_field(&args.input, &args.raw).map(Some),
+    }
+}
+
+/// How far the finest mesh is from the contour.
+fn fit(built: &Built, cell: f64) -> String {
+    let surface = &built.wrapped.surface;
+    let finest = surface.level(surface.levels);
+    let report = Report::of(&finest);
+    let distance = SurfaceDistance::between(&built.contour, &finest.triangulated(), SAMPLES);
+    let measured = distance.map_or_else(String::new, |distance| {
+        format!(
+            "; off the contour by {:.2} % of a cell's edge rms, {:.0} % at most",
+            100.0 * distance.rms(cell),
+            100.0 * distance.max(cell)
+        )
+    });
+    format!("finest:  {report}{measured}\n")
+}
+
+fn keep(folder: &Path, built: &Built) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
+    write_mesh(&built.contour, &folder.join("contour.ply"))?;
+    write_mesh(&built.base, &folder.join("base.ply"))?;
+    let surface = &built.wrapped.surface;
+    write_mesh(&surface.level(surface.levels), &folder.join("finest.ply"))?;
+    let path = folder.join("distance.nrrd");
+    volume::write(&built.distance.to_volume(), &path, &WriteOptions::default())?;
+    Ok(())
+}

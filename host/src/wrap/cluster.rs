@@ -1,0 +1,124 @@
+//! A small part of a mesh, cut out to be worked on.
+
+use std::collections::HashMap;
+
+use super::border::Sides;
+use super::level::Level;
+use super::rings::Kind;
+use crate::mesh::{Faces, Point};
+
+/// Vertices that hang together, and all of their faces. Vertices are numbered anew: those that may move, in ascending order,
+/// then the others of these faces.
+#[derive(Debug)]
+pub(super) struct Cluster {
+    /// Numbers in the whole mesh.
+    pub(super) vertices: Vec<u32>,
+    /// How many of them may move.
+    pub(super) movable: usize,
+    /// The faces of the vertices that may move.
+    pub(super) faces: Faces,
+    /// Faces of each vertex that may move.
+    pub(super) faces_of: Vec<Vec<u32>>,
+    /// Edge neighbours of each vertex that may move: on a crease, only those along it; none where it is fixed.
+    pub(super) neighbours: Vec<Vec<u32>>,
+    /// The sides of the box that vertices are held to.
+    pub(super) sides: Vec<Sides>,
+    /// Unit normals of the mesh at the vertices.
+    pub(super) normals: Vec<Point>,
+    /// Where the vertices are.
+    pub(super) positions: Vec<Point>,
+}
+
+/// The parts of a mesh within some rings of faces; no face has vertices that may move of two parts.
+///
+/// Cost: one pass over the faces of the mesh for each ring.
+pub(super) fn around(level: &Level, faces: &[u32], rings: usize) -> Vec<Cluster> {
+    let mut marked = vec![false; level.positions.len()];
+    for &face in faces {
+        level.faces.get(face as usize).iter().for_each(|&corner| marked[corner as usize] = true);
+    }
+    for _ in 0..rings {
+        let ring: Vec<u32> = touching(level, &marked);
+        for face in ring {
+            level.faces.get(face as usize).iter().for_each(|&corner| marked[corner as usize] = true);
+        }
+    }
+    let faces = touching(level, &marked);
+    parts(level, &marked, &faces).into_iter().map(|faces| cut(level, &marked, &faces)).collect()
+}
+
+/// Faces with a marked vertex.
+fn touching(level: &Level, marked: &[bool]) -> Vec<u32> {
+    let is_marked = |face: &[u32]| face.iter().any(|&corner| marked[corner as usize]);
+    let faces = level.faces.iter().enumerate().filter(|(_, face)| is_marked(face));
+    faces.map(|(face, _)| face as u32).collect()
+}
+
+/// Splits faces into parts that share no marked vertex.
+fn parts(level: &Level, marked: &[bool], faces: &[u32]) -> Vec<Vec<u32>> {
+    let marked_corners =
+        |face: u32| level.faces.get(face as usize).iter().copied().filter(|&corner| marked[corner as usize]);
+    let mut faces_of = HashMap::<u32, Vec<u32>>::new();
+    for &face in faces {
+        marked_corners(face).for_each(|corner| faces_of.entry(corner).or_default().push(face));
+    }
+    let mut parts = Vec::new();
+    for &first in faces {
+        let mut part = Vec::new();
+        let mut waiting = vec![first];
+        while let Some(face) = waiting.pop() {
+            let corners: Vec<u32> = marked_corners(face).collect();
+            let next = corners.iter().filter_map(|corner| faces_of.remove(corner)).flatten();
+            let before = waiting.len();
+            waiting.extend(next);
+            part.extend_from_slice(&waiting[before..]);
+        }
+        part.sort_unstable();
+        part.dedup();
+        if !part.is_empty() {
+            parts.push(part);
+        }
+    }
+    parts
+}
+
+/// Cuts faces out.
+fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
+    let corners = || faces.iter().flat_map(|&face| level.faces.get(face as usize)).copied();
+    let [mut vertices, mut rim] = [true, false]
+        .map(|wanted| corners().filter(|&corner| marked[corner as usize] == wanted).collect::<Vec<_>>());
+    for list in [&mut vertices, &mut rim] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let movable = vertices.len();
+    vertices.append(&mut rim);
+    let numbers: HashMap<u32, u32> = (0..).zip(&vertices).map(|(number, &vertex)| (vertex, number)).collect();
+    let mut local = Faces::default();
+    let mut faces_of = vec![Vec::new(); movable];
+    for (number, &face) in (0..).zip(faces) {
+        let corners: Vec<u32> = level.faces.get(face as usize).iter().map(|corner| numbers[corner]).collect();
+        local.push(&corners);
+        for &corner in corners.iter().filter(|&&corner| (corner as usize) < movable) {
+            faces_of[corner as usize].push(number);
+        }
+    }
+    let neighbours = |&vertex: &u32| {
+        let ends = match level.rings.kind(vertex as usize) {
+            Kind::Smooth => level.rings.neighbours(vertex as usize).to_vec(),
+            Kind::Crease(ends) => ends.to_vec(),
+            Kind::Fixed => Vec::new(),
+        };
+        ends.iter().map(|end| numbers[end]).collect()
+    };
+    Cluster {
+        neighbours: vertices[..movable].iter().map(neighbours).collect(),
+        sides: vertices.iter().map(|&vertex| level.sides[vertex as usize]).collect(),
+        normals: vertices.iter().map(|&vertex| level.normal(vertex as usize)).collect(),
+        positions: vertices.iter().map(|&vertex| level.positions[vertex as usize]).collect(),
+        vertices,
+        movable,
+        faces: local,
+        faces_of,
+    }
+}

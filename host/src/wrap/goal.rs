@@ -1,0 +1,145 @@
+//! The surface that vertices are moved to, once they are near it.
+
+use super::attract::ZERO;
+use super::border::Sides;
+use super::level::Space;
+use crate::field::ScalarField;
+use crate::measure::Bvh;
+use crate::mesh::Point;
+
+/// Steps down the gradient. More than a few are of use only where the field has kinks.
+const STEPS: usize = 4;
+/// Longest step, in cells.
+const LONGEST_STEP: f64 = 0.5;
+/// Closest points, each followed by a step back to the border, for points on the border.
+const RETURNS: usize = 4;
+/// How much farther a triangle may be than the zero of the distance field, in cells.
+const FARTHER: f64 = 1.0;
+
+/// What the finest vertices shall lie on.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum Target<'a> {
+    /// The zeros of the distance field.
+    #[default]
+    Distance,
+    /// The points where a field, on the grid of the distance field, has a value: the isosurface that the distances were made
+    /// from, which their zeros differ from by a fraction of a cell (Vis2000 §4.2).
+    Isosurface(&'a ScalarField, f64),
+    /// A mesh of triangles, which the distances were made from.
+    Triangles(&'a Bvh),
+}
+
+/// A target, ready to be looked into.
+#[derive(Clone, Copy)]
+pub(super) enum Goal<'a> {
+    /// Where a field has a value.
+    Field(&'a ScalarField, f64),
+    /// Where triangles are.
+    Triangles(&'a Bvh),
+}
+
+impl<'a> Goal<'a> {
+    /// What a target asks for.
+    pub(super) fn new(target: Target<'a>, space: &Space<'a>) -> Self {
+        match target {
+            Target::Distance => Self::Field(space.distance, 0.0),
+            Target::Isosurface(field, value) => Self::Field(field, value),
+            Target::Triangles(triangles) => Self::Triangles(triangles),
+        }
+    }
+
+    /// A point of the surface near a point, or a point nearer to it, at most `reach` away, and on the same sides of the box.
+    pub(super) fn approach(&self, point: Point, sides: Sides, reach: f64, space: &Space) -> Point {
+        match self {
+            Self::Field(field, value) => {
+                let descent = Descent { field, value: *value, reach, cell: space.cell };
+                space.border.hold(sides, descent.from(point, sides))
+            }
+            Self::Triangles(triangles) => {
+                let mut place = point;
+                for _ in 0..if sides.count() > 0 { RETURNS } else { 1 } {
+                    let limit = reach.min((space.distance_in_cells(place) + FARTHER) * space.cell);
+                    let closest = triangles.closest_within(place, limit * limit);
+                    place = space.border.hold(sides, closest.map_or(place, |closest| closest.point));
+                }
+                place
+            }
+        }
+    }
+
+    /// Whether a point is at most `limit` from the surface, as far as a look at it tells.
+    pub(super) fn is_near(&self, point: Point, limit: f64) -> bool {
+        match self {
+            Self::Field(field, value) => {
+                let (found, gradient) = field.sample_clamped_with_gradient(point);
+                (found - value).abs() <= limit * gradient.length()
+            }
+            Self::Triangles(triangles) => triangles.closest_within(point, limit * limit).is_some(),
+        }
+    }
+}
+
+/// A way down to where a field has a value.
+struct Descent<'a> {
+    field: &'a ScalarField,
+    value: f64,
+    reach: f64,
+    cell: f64,
+}
+
+impl Descent<'_> {
+    /// Newton's method along the gradient, as far as the sides leave it free, in short steps.
+    fn from(&self, point: Point, sides: Sides) -> Point {
+        let mut place = point;
+        for _ in 0..STEPS {
+            let (found, gradient) = self.field.sample_clamped_with_gradient(place);
+            let (excess, gradient) = (found - self.value, sides.free_part(gradient));
+            let steepness = gradient.length();
+            if excess.abs() <= ZERO * self.cell * steepness || steepness == 0.0 {
+                break;
+            }
+            let step = (excess.abs() / steepness).min(LONGEST_STEP * self.cell) * excess.signum();
+            let next = place - step * gradient / steepness;
+            if next.distance_squared(point) > self.reach * self.reach {
+                break;
+            }
+            place = next;
+        }
+        place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Grid;
+    use crate::mesh::TriangleMesh;
+
+    #[test]
+    fn points_go_down_to_the_value() {
+        let field = ScalarField::from_function(Grid::unit([9, 9, 9]), |point| 3.0 * point.x + 4.0 * point.y);
+        let (goal, space) = (Goal::Field(&field, 25.0), Space::new(&field));
+        let excess = |point: Point| 3.0 * point.x + 4.0 * point.y - 25.0;
+        let found = goal.approach(Point::new(3.0, 4.5, 2.0), Sides::default(), 1.0, &space);
+        assert!(excess(found).abs() < 1e-4 && found.z == 2.0, "{found}");
+        assert!(goal.is_near(found, 1e-4) && !goal.is_near(Point::new(3.0, 4.5, 2.0), 0.3));
+        let far = Point::new(1.0, 1.0, 2.0);
+        assert!(goal.approach(far, Sides::default(), 0.3, &space).distance(far) <= 0.3);
+        let on_border = Point::new(0.0, 6.0, 2.0);
+        let found = goal.approach(on_border, space.border.sides(on_border), 1.0, &space);
+        assert!(excess(found).abs() < 1e-4 && found.x == 0.0, "{found}");
+    }
+
+    #[test]
+    fn points_of_the_border_go_to_triangles_along_it() {
+        let field = ScalarField::from_function(Grid::unit([9, 9, 9]), |point| 3.0 * point.x + 4.0 * point.y);
+        let corner = |x: f64, y: f64, z: f64| Point::new(x, y, z);
+        let positions = vec![corner(0.0, 5.0, 0.0), corner(0.0, 5.0, 8.0), corner(8.0, 7.0, 4.0)];
+        let tree = Bvh::new(&TriangleMesh { positions, triangles: vec![[0, 1, 2]] });
+        let (goal, space) = (Goal::Triangles(&tree), Space::new(&field));
+        let from = Point::new(0.0, 5.5, 4.0);
+        let found = goal.approach(from, space.border.sides(from), 2.0, &space);
+        assert!(found.x == 0.0 && (found.y - 5.0).abs() < 0.01, "{found}");
+        assert!(goal.is_near(found, 0.01) && !goal.is_near(from, 0.3));
+    }
+}

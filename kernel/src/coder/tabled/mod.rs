@@ -1,0 +1,339 @@
+//! A brick coded in two passes: predictions with weights that the codestream brings, then residuals under tables of
+//! frequencies that it brings too, by interleaved asymmetric numeral systems. Nothing adapts, so nothing waits: the
+//! quickest both ways.
+//!
+//! Both passes work in place. The encoder makes residuals of samples from the last row to the first, so that each row still
+//! has samples before it to be predicted from; the decoder reads all residuals, and makes samples of them from the first
+//! row to the last.
+//!
+//! The format is in `docs/tabled.md`. Sources: Duda, *Asymmetric numeral systems*, 2013; Giesen, *Interleaved entropy
+//! coders*, 2014, for states that take turns.
+
+mod bits;
+mod class;
+mod neighbours;
+mod numerals;
+mod predict;
+mod tables;
+mod token;
+mod train;
+
+use core::ops::Range;
+
+use self::bits::{BitReader, BitWriter};
+use self::neighbours::{Kind, row_at};
+use self::numerals::{NumeralReader, NumeralWriter};
+use self::predict::Weights;
+pub(super) use self::tables::Tables;
+pub(super) use self::train::Lessons;
+use super::{Memory, range};
+use crate::Extent;
+use crate::extent::to_usize;
+use crate::memory::copy;
+
+/// Bits that samples may span.
+const MOST_SPAN_BITS: u32 = 19;
+
+/// Samples that a brick has at least: fewer are not worth tables.
+const FEWEST: usize = 1 << 14;
+
+/// Where the lowest sample, the span, and the length of the extra bits are.
+const LOWEST: Range<usize> = 0..4;
+/// As [`LOWEST`].
+const SPAN: Range<usize> = 4..8;
+/// As [`LOWEST`].
+const EXTRA_LEN: Range<usize> = 8..12;
+
+/// Whether samples as these are worth coding under tables: a slice or a brick large enough, of a span small enough.
+pub(crate) fn suits(extent: Extent, samples: &[i32]) -> bool {
+    let ([width, ..], (lowest, highest)) = (extent.sides(), range(samples));
+    let span = highest.wrapping_sub(lowest).cast_unsigned();
+    samples.len() >= FEWEST && samples.len() > width && span >> MOST_SPAN_BITS == 0
+}
+
+/// Encodes samples that [`suits`] into the beginning of `out`, and returns the length of the segment.
+///
+/// `None` if it does not fit, with `samples` as they were; otherwise they are used up. `scratch` holds a row.
+pub(crate) fn encode(
+    memory: &mut Memory,
+    extent: Extent,
+    samples: &mut [i32],
+    scratch: &mut [i32],
+    out: &mut [u8],
+) -> Option<usize> {
+    let (lowest, highest) = range(samples);
+    let span = highest.wrapping_sub(lowest);
+    copy(&lowest.to_le_bytes(), out.get_mut(LOWEST)?);
+    copy(&span.to_le_bytes(), out.get_mut(SPAN)?);
+    if span == 0 {
+        return Some(SPAN.end);
+    }
+    let _ = out.get(EXTRA_LEN)?;
+    samples.iter_mut().for_each(|sample| *sample = sample.wrapping_sub(lowest));
+    let mut brick = Brick::new(extent, span, samples, scratch)?;
+    let weights = brick.train(memory.lessons()?);
+    brick.make_residuals(&weights);
+    let len = brick.write(memory.tables()?, &weights, out);
+    if len.is_none() {
+        brick.make_samples(&weights);
+        samples.iter_mut().for_each(|sample| *sample = sample.wrapping_add(lowest));
+    }
+    len
+}
+
+/// Decodes a segment that holds all of `samples`. `None` if the segment is what no encoder writes.
+pub(crate) fn decode(
+    memory: &mut Memory,
+    extent: Extent,
+    bytes: &[u8],
+    samples: &mut [i32],
+    scratch: &mut [i32],
+) -> Option<()> {
+    let field = |range| bytes.get(range).and_then(|bytes: &[u8]| bytes.first_chunk().copied());
+    let lowest = i32::from_le_bytes(field(LOWEST)?);
+    let span = i32::from_le_bytes(field(SPAN)?);
+    if span == 0 {
+        samples.fill(lowest);
+        return (bytes.len() == SPAN.end).then_some(());
+    }
+    let [width, ..] = extent.sides();
+    if span.cast_unsigned() >> MOST_SPAN_BITS != 0 || samples.len() <= width {
+        return None;
+    }
+    let extra_len = to_usize(u32::from_le_bytes(field(EXTRA_LEN)?));
+    let (extra, rest) = bytes.get(EXTRA_LEN.end..)?.split_at_checked(extra_len)?;
+    let mut brick = Brick::new(extent, span, samples, scratch)?;
+    let weights = brick.read(memory.tables()?, extra, rest)?;
+    brick.make_samples(&weights);
+    samples.iter_mut().for_each(|sample| *sample = sample.wrapping_add(lowest));
+    Some(())
+}
+
+/// A brick of samples from 0 on, or of the ranks of their residuals.
+struct Brick<'a> {
+    sides: [usize; 3],
+    /// The largest sample.
+    span: i32,
+    values: &'a mut [i32],
+    /// A row.
+    scratch: &'a mut [i32],
+}
+
+/// The weights in a plane, and from plane to plane.
+type BothWeights = [Weights; 2];
+
+impl<'a> Brick<'a> {
+    fn new(extent: Extent, span: i32, values: &'a mut [i32], scratch: &'a mut [i32]) -> Option<Self> {
+        let sides = extent.sides();
+        let [width, ..] = sides;
+        Some(Self { sides, span, values, scratch: scratch.get_mut(..width)? })
+    }
+
+    /// Places of the rows, y and z, in the order of coding.
+    fn rows(&self) -> impl DoubleEndedIterator<Item = [usize; 2]> + use<> {
+        let [_, height, depth] = self.sides;
+        (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]))
+    }
+
+    /// Kinds of rows that have weights, each with its place among [`BothWeights`].
+    fn weighted(&self) -> impl Iterator<Item = Kind> + use<> {
+        let [_, height, depth] = self.sides;
+        let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
+        kinds.into_iter().filter_map(|(present, kind)| present.then_some(kind))
+    }
+
+    /// The weights that suit the samples.
+    fn train(&mut self, lessons: &mut Lessons) -> BothWeights {
+        let mut weights = Weights::FIRST;
+        for kind in self.weighted() {
+            if let Some(learnt) = lessons.learn(kind, self.sides, self.values) {
+                *kind.of(&mut weights) = learnt;
+            }
+        }
+        weights
+    }
+
+    /// Makes ranks of residuals of samples.
+    fn make_residuals(&mut self, weights: &BothWeights) -> Option<()> {
+        for place in self.rows().rev() {
+            let (around, row) = row_at(self.values, self.sides, place)?;
+            predict::forward(&around, weights, self.span, row, self.scratch);
+        }
+        Some(())
+    }
+
+    /// Undoes [`Brick::make_residuals`].
+    fn make_samples(&mut self, weights: &BothWeights) -> Option<()> {
+        for place in self.rows() {
+            let (around, row) = row_at(self.values, self.sides, place)?;
+            predict::inverse(&around, weights, self.span, row, self.scratch);
+        }
+        Some(())
+    }
+
+    /// Writes the ranks behind the fixed fields; returns the length of the segment.
+    fn write(&mut self, tables: &mut Tables, weights: &BothWeights, out: &mut [u8]) -> Option<usize> {
+        let (fixed, rest) = out.split_at_mut_checked(EXTRA_LEN.end)?;
+        let mut extra = BitWriter::new(rest);
+        for place in self.rows() {
+            let (around, row) = row_at(self.values, self.sides, place)?;
+            class::classes(&around, self.scratch);
+            for (&rank, &class) in row.iter().zip(&*self.scratch) {
+                let (token, bits) = token::of_rank(rank.cast_unsigned());
+                tables.count(class, token);
+                extra.put(rank.cast_unsigned(), bits)?;
+            }
+        }
+        let extra_len = extra.finish()?;
+        copy(&u32::try_from(extra_len).ok()?.to_le_bytes(), fixed.get_mut(EXTRA_LEN)?);
+        let mut head = BitWriter::new(rest.get_mut(extra_len..)?);
+        self.weighted().try_for_each(|kind| kind.of(&mut weights.clone()).write(kind, &mut head))?;
+        tables.normalise();
+        tables.write(&mut head)?;
+        let at = extra_len.wrapping_add(head.finish()?);
+        let mut numerals = NumeralWriter::new(rest.get_mut(at..)?);
+        for place in self.rows().rev() {
+            let (around, row) = row_at(self.values, self.sides, place)?;
+            class::classes(&around, self.scratch);
+            numerals.write_row(tables, self.scratch, row)?;
+        }
+        Some(numerals.finish()?.wrapping_add(at).wrapping_add(EXTRA_LEN.end))
+    }
+
+    /// Reads the ranks: `extra` holds their extra bits, `rest` all else.
+    fn read(&mut self, tables: &mut Tables, extra: &[u8], rest: &[u8]) -> Option<BothWeights> {
+        let mut head = BitReader::new(rest);
+        let mut weights = Weights::FIRST;
+        for kind in self.weighted() {
+            *kind.of(&mut weights) = Weights::read(kind, &mut head)?;
+        }
+        tables.read(&mut head)?;
+        let mut numerals = NumeralReader::new(rest.get(head.finish()?..)?)?;
+        let mut extra = BitReader::new(extra);
+        for place in self.rows() {
+            let (around, row) = row_at(self.values, self.sides, place)?;
+            class::classes(&around, self.scratch);
+            numerals.read_row(tables, self.scratch, row);
+            for rank in row {
+                if let Some((base, bits)) = token::octave(rank.cast_unsigned()) {
+                    *rank = (base | extra.take(bits)).cast_signed();
+                }
+            }
+        }
+        (numerals.is_finished() && extra.is_finished()).then_some(weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Codec, DecodeError, Effort, Header, Malformed, Plan, SampleType, Wavelet, max_encoded_len};
+
+    extern crate std;
+    use std::{boxed::Box, vec, vec::Vec};
+
+    fn encode(axes: [u32; 3], sample_type: SampleType, samples: &[i32]) -> Vec<u8> {
+        let extent = Extent::new(axes).unwrap();
+        let plan = Plan::new(Wavelet::Haar, extent, 0).unwrap();
+        let mut out = vec![0; max_encoded_len(extent, sample_type).unwrap()];
+        let mut scratch = vec![-1; Effort::Tabled.scratch_len(&plan)];
+        let mut samples = samples.to_vec();
+        let mut codec = Box::new(Codec::NEW);
+        let len = codec.encode(Effort::Tabled, &plan, sample_type, &mut samples, &mut scratch, &mut out);
+        out.truncate(len.unwrap());
+        out
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Vec<i32>, DecodeError> {
+        let header = Header::parse(bytes)?;
+        let mut samples = vec![7; header.samples_len(0)];
+        let mut scratch = vec![-1; header.scratch_len()];
+        { Codec::NEW }.decode(bytes, &mut samples, &mut scratch)?;
+        Ok(samples)
+    }
+
+    /// Smooth waves and noise of `amplitude`.
+    fn waves([width, height, depth]: [u32; 3], amplitude: u32) -> Vec<i32> {
+        let mut seed = 3_u32;
+        let mut sample = |[x, y, z]: [u32; 3]| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let wave = ((x * x + 3 * x * y) / 64 + y * z / 16 + 2 * z) % 200;
+            (wave + (seed >> 16) % amplitude).cast_signed() - 100
+        };
+        let rows = (0..depth).flat_map(|z| (0..height).map(move |y| [y, z]));
+        rows.flat_map(|[y, z]| (0..width).map(move |x| [x, y, z])).map(&mut sample).collect()
+    }
+
+    /// Where the storage field of the header is.
+    const STORAGE: usize = 3;
+
+    #[test]
+    fn slices_and_bricks_come_back() {
+        for axes in [
+            [128, 128, 1],
+            [1, 128, 128],
+            [127, 131, 1],
+            [2, 4096, 3],
+            [33, 31, 17],
+            [5, 1, 4000],
+            [3, 2, 4096],
+        ] {
+            for amplitude in [1, 7, 300] {
+                let samples = waves(axes, amplitude);
+                let bytes = encode(axes, SampleType::I16, &samples);
+                assert_eq!(bytes[STORAGE], 3);
+                assert!(bytes.len() < samples.len() * 2, "{axes:?}");
+                assert_eq!(decode(&bytes).as_ref(), Ok(&samples), "{axes:?} {amplitude}");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_samples_take_no_tables() {
+        let samples = vec![-5; 128 * 128];
+        let bytes = encode([128, 128, 1], SampleType::I32, &samples);
+        assert_eq!(bytes[STORAGE], 3);
+        assert!(bytes.len() < 24);
+        assert_eq!(decode(&bytes).unwrap(), samples);
+    }
+
+    #[test]
+    fn other_samples_are_coded_another_way() {
+        let mut samples = waves([128, 128, 1], 9);
+        samples[77] = 1 << 19;
+        let bytes = encode([128, 128, 1], SampleType::I32, &samples);
+        assert_eq!(bytes[STORAGE], 0);
+        assert_eq!(decode(&bytes).unwrap(), samples);
+        let bytes = encode([1 << 14, 1, 1], SampleType::I16, &waves([1 << 14, 1, 1], 9));
+        assert_eq!(bytes[STORAGE], 0);
+    }
+
+    #[test]
+    fn extremes_of_a_span_come_back() {
+        for sample_type in [SampleType::U16, SampleType::I32] {
+            let samples: Vec<i32> = (0..1 << 14).map(|i| if i * i % 5 < 2 { 65535 } else { 0 }).collect();
+            let bytes = encode([16, 32, 32], sample_type, &samples);
+            assert_eq!(decode(&bytes).unwrap(), samples);
+        }
+    }
+
+    #[test]
+    fn damage_is_told_or_harmless() {
+        let samples = waves([16, 32, 32], 5);
+        let bytes = encode([16, 32, 32], SampleType::I16, &samples);
+        let segment = Header::parse(&bytes).unwrap().header_len();
+        for at in segment..bytes.len() {
+            for flip in [1, 0x80, 0xFF] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= flip;
+                let _ = decode(&damaged);
+            }
+        }
+        let mut cut = bytes.clone();
+        cut.pop();
+        assert_eq!(decode(&cut), Err(DecodeError::Truncated));
+        let mut spans = bytes;
+        spans[segment + 7] = 1;
+        assert_eq!(decode(&spans), Err(Malformed::Segment.into()));
+    }
+}

@@ -1,0 +1,118 @@
+//! The rows around a row that are known when it is coded.
+
+use super::{BothWeights, Weights};
+
+/// What a row is predicted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The first row of all: nothing before it.
+    First,
+    /// A row of the first plane: the row before.
+    Plane,
+    /// A row of another plane: the row before and three of the plane before.
+    Brick,
+}
+
+impl Kind {
+    /// The weights of rows of this kind.
+    pub(super) fn of(self, [plane, brick]: &mut BothWeights) -> &mut Weights {
+        if self == Self::Brick { brick } else { plane }
+    }
+}
+
+/// Known rows, each as long as the row itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around<'a> {
+    pub(super) kind: Kind,
+    /// The row before; in the first row of a plane, [`Around::up`].
+    pub(super) north: &'a [i32],
+    /// The same row of the plane before, and those before and after it, or else itself.
+    pub(super) up: &'a [i32],
+    pub(super) up_north: &'a [i32],
+    pub(super) up_south: &'a [i32],
+}
+
+/// Row y of plane z, and those around it, of a brick of `sides`. `None` for no row of the brick.
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) fn row_at(
+    values: &mut [i32],
+    [width, height, _]: [usize; 3],
+    [y, z]: [usize; 2],
+) -> Option<(Around<'_>, &mut [i32])> {
+    let plane = width.wrapping_mul(height);
+    let start = z.wrapping_mul(plane).wrapping_add(y.wrapping_mul(width));
+    let (before, row) = values.split_at_mut_checked(start)?;
+    let row = row.get_mut(..width)?;
+    let known = |back: usize| {
+        let from = start.checked_sub(back)?;
+        before.get(from..from.wrapping_add(width))
+    };
+    let around = if z > 0 {
+        let up = known(plane)?;
+        let (is_first, is_last) = (y == 0, y.wrapping_add(1) == height);
+        Around {
+            kind: Kind::Brick,
+            north: if is_first { up } else { known(width)? },
+            up,
+            up_north: if is_first { up } else { known(plane.wrapping_add(width))? },
+            up_south: if is_last { up } else { known(plane.wrapping_sub(width))? },
+        }
+    } else if y > 0 {
+        Around { kind: Kind::Plane, north: known(width)?, up: &[], up_north: &[], up_south: &[] }
+    } else {
+        Around { kind: Kind::First, north: &[], up: &[], up_north: &[], up_south: &[] }
+    };
+    Some((around, row))
+}
+
+/// Adds to each of `sums` the products of `weights` with the values of `row` around the same place; beyond its ends stands
+/// the first or the last.
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) fn add_row<const N: usize>(sums: &mut [i32], row: &[i32], weights: [i32; N]) {
+    let (width, reach) = (row.len(), N / 2);
+    let inner = sums.get_mut(reach..).unwrap_or(&mut []);
+    for (sum, window) in inner.iter_mut().zip(row.array_windows::<N>()) {
+        for (value, weight) in window.iter().zip(weights) {
+            *sum = sum.wrapping_add(value.wrapping_mul(weight));
+        }
+    }
+    let last = width.saturating_sub(1);
+    for x in (0..reach.min(width)).chain(width.saturating_sub(reach).max(reach)..width) {
+        let columns = (0..N).map(|tap| x.wrapping_add(tap).saturating_sub(reach).min(last));
+        let products = columns
+            .zip(weights)
+            .map(|(column, weight)| row.get(column).copied().unwrap_or(0).wrapping_mul(weight));
+        let sum = products.fold(0, i32::wrapping_add);
+        sums.iter_mut().skip(x).take(1).for_each(|slot| *slot = slot.wrapping_add(sum));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_that_do_not_exist_are_replaced() {
+        let mut values = [0, 1, 2, 3, 4, 5];
+        let mut kinds = |place| {
+            let (around, row) = row_at(&mut values, [1, 3, 2], place).unwrap();
+            let of = |row: &[i32]| row.first().copied();
+            (around.kind, [around.north, around.up, around.up_north, around.up_south].map(of), row[0])
+        };
+        assert_eq!(kinds([0, 0]), (Kind::First, [None; 4], 0));
+        assert_eq!(kinds([2, 0]), (Kind::Plane, [Some(1), None, None, None], 2));
+        assert_eq!(kinds([0, 1]), (Kind::Brick, [Some(0), Some(0), Some(0), Some(1)], 3));
+        assert_eq!(kinds([1, 1]), (Kind::Brick, [Some(3), Some(1), Some(0), Some(2)], 4));
+        assert_eq!(kinds([2, 1]), (Kind::Brick, [Some(4), Some(2), Some(1), Some(2)], 5));
+    }
+
+    #[test]
+    fn ends_stand_for_what_is_beyond() {
+        let mut sums = [10, 20, 30];
+        add_row(&mut sums, &[1, 2, 4], [1, 0, 100]);
+        assert_eq!(sums, [10 + 1 + 200, 20 + 1 + 400, 30 + 2 + 400]);
+        let mut sum = [0];
+        add_row(&mut sum, &[7], [1, 1, 1, 1, 1]);
+        assert_eq!(sum, [35]);
+    }
+}

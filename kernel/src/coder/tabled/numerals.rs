@@ -1,0 +1,187 @@
+//! Asymmetric numeral systems: tokens as digits of four numbers that take turns, in bases that fit their frequencies.
+//!
+//! The last token written is the first read.
+
+use super::tables::{SUM_BITS, Share, Tables};
+use super::token;
+use crate::memory::{copy, move_within};
+
+/// Numbers that take turns along a row.
+const STATES: usize = 4;
+
+/// Where a number starts, and the least that it is between tokens; the most is below 2^32.
+const LEAST: u32 = 1 << 16;
+
+/// Bytes that are written or read at once.
+const WORD: usize = 2;
+
+/// Bytes of the numbers.
+const STATE_BYTES: usize = 4 * STATES;
+
+/// Writes tokens from the last to the first, from the end of lent bytes towards their beginning.
+#[derive(Debug)]
+pub(super) struct NumeralWriter<'a> {
+    states: [u32; STATES],
+    out: &'a mut [u8],
+    start: usize,
+}
+
+impl<'a> NumeralWriter<'a> {
+    pub(super) fn new(out: &'a mut [u8]) -> Self {
+        let start = out.len();
+        Self { states: [LEAST; STATES], out, start }
+    }
+
+    /// Writes the tokens of a row of ranks under their classes; `None` if they do not fit.
+    pub(super) fn write_row(&mut self, tables: &Tables, classes: &[i32], ranks: &[i32]) -> Option<()> {
+        let (mut states, mut start) = (self.states, self.start);
+        let out = &mut *self.out;
+        let (whole_classes, last_classes) = classes.as_chunks::<STATES>();
+        let (whole_ranks, last_ranks) = ranks.as_chunks::<STATES>();
+        for (state, (&class, &rank)) in states.iter_mut().zip(last_classes.iter().zip(last_ranks)).rev() {
+            start =
+                write_token(out, start, tables.share(class, token::of_rank(rank.cast_unsigned()).0), state)?;
+        }
+        for (classes, ranks) in whole_classes.iter().zip(whole_ranks).rev() {
+            for (state, (&class, &rank)) in states.iter_mut().zip(classes.iter().zip(ranks)).rev() {
+                start = write_token(
+                    out,
+                    start,
+                    tables.share(class, token::of_rank(rank.cast_unsigned()).0),
+                    state,
+                )?;
+            }
+        }
+        (self.states, self.start) = (states, start);
+        Some(())
+    }
+
+    /// Moves all to the beginning, the numbers first; returns how many bytes there are.
+    pub(super) fn finish(self) -> Option<usize> {
+        let words = self.start..self.out.len();
+        let len = words.len().wrapping_add(STATE_BYTES);
+        if self.start < STATE_BYTES {
+            return None;
+        }
+        move_within(self.out, words, STATE_BYTES);
+        for (bytes, state) in self.out.chunks_exact_mut(4).zip(self.states) {
+            copy(&state.to_le_bytes(), bytes);
+        }
+        Some(len)
+    }
+}
+
+/// Writes a token by its share before `start`; returns where the words begin then.
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn write_token(out: &mut [u8], mut start: usize, share: Share, state: &mut u32) -> Option<usize> {
+    if *state >> (u32::BITS - SUM_BITS) >= share.frequency {
+        let [low, high, ..] = state.to_le_bytes();
+        let from = start.checked_sub(WORD)?;
+        copy(&[low, high], out.get_mut(from..start)?);
+        start = from;
+        *state >>= 16;
+    }
+    let quotient = state.checked_div(share.frequency)?;
+    let digit = state.wrapping_sub(quotient.wrapping_mul(share.frequency)).wrapping_add(share.start);
+    *state = (quotient << SUM_BITS).wrapping_add(digit);
+    Some(start)
+}
+
+/// Reads tokens.
+#[derive(Debug)]
+pub(super) struct NumeralReader<'a> {
+    states: [u32; STATES],
+    words: &'a [u8],
+    read: usize,
+}
+
+impl<'a> NumeralReader<'a> {
+    /// `None` if there are not even the numbers, or one is too small.
+    pub(super) fn new(bytes: &'a [u8]) -> Option<Self> {
+        let (start, words) = bytes.split_at_checked(STATE_BYTES)?;
+        let mut states = [0; STATES];
+        for (state, bytes) in states.iter_mut().zip(start.as_chunks::<4>().0) {
+            *state = u32::from_le_bytes(*bytes);
+        }
+        states.iter().all(|&state| state >= LEAST).then_some(Self { states, words, read: 0 })
+    }
+
+    /// Reads the tokens of a row; beyond the end there are zeros.
+    pub(super) fn read_row(&mut self, tables: &Tables, classes: &[i32], tokens: &mut [i32]) {
+        let Self { words, mut states, mut read } = *self;
+        let (whole_classes, last_classes) = classes.as_chunks::<STATES>();
+        let (whole_tokens, last_tokens) = tokens.as_chunks_mut::<STATES>();
+        for (classes, tokens) in whole_classes.iter().zip(whole_tokens) {
+            for (state, (&class, token)) in states.iter_mut().zip(classes.iter().zip(tokens)) {
+                (*token, read) = read_token(words, read, tables, class, state);
+            }
+        }
+        for (state, (&class, token)) in states.iter_mut().zip(last_classes.iter().zip(last_tokens)) {
+            (*token, read) = read_token(words, read, tables, class, state);
+        }
+        (self.states, self.read) = (states, read);
+    }
+
+    /// Whether all words are read, and no more, and the numbers are back at their start.
+    pub(super) fn is_finished(&self) -> bool {
+        self.read == self.words.len() && self.states == [LEAST; STATES]
+    }
+}
+
+/// Reads a token, and where the next word is then.
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn read_token(words: &[u8], mut read: usize, tables: &Tables, class: i32, state: &mut u32) -> (i32, usize) {
+    const POINTS: u32 = (1 << SUM_BITS) - 1;
+    let point = *state & POINTS;
+    let (token, share) = tables.find(class, point);
+    *state = share.frequency.wrapping_mul(*state >> SUM_BITS).wrapping_add(point.wrapping_sub(share.start));
+    if *state < LEAST {
+        let word = words.get(read..).and_then(|rest| rest.first_chunk::<WORD>()).copied();
+        *state = *state << 16 | u32::from(u16::from_le_bytes(word.unwrap_or([0; WORD])));
+        read = read.wrapping_add(WORD);
+    }
+    (token.cast_signed(), read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half the points of class 0 are of each of the tokens 0 and 1.
+    fn halves() -> Tables {
+        let mut tables = Tables::NEW;
+        tables.count(0, 0);
+        tables.count(0, 1);
+        tables.normalise();
+        tables
+    }
+
+    #[test]
+    fn a_token_by_hand() {
+        let (tables, mut out) = (halves(), [0; 16]);
+        let mut writer = NumeralWriter::new(&mut out);
+        writer.write_row(&tables, &[0], &[1]).unwrap();
+        assert_eq!(writer.finish(), Some(16));
+        // 65536 / 2048 = 32: 32 * 4096 + 0 + 2048, and three that coded nothing.
+        assert_eq!(out[..4], (32_u32 * 4096 + 2048).to_le_bytes());
+        assert_eq!(out[4..8], LEAST.to_le_bytes());
+    }
+
+    #[test]
+    fn a_state_that_grows_writes_a_word() {
+        let (tables, mut out) = (halves(), [0; 20]);
+        let mut writer = NumeralWriter::new(&mut out);
+        // A bit a token: from 2^16 to 2^31 in fifteen, and a word before the sixteenth.
+        for count in 0..16 {
+            writer.write_row(&tables, &[0], &[0]).unwrap();
+            assert_eq!(20 - writer.start, if count < 15 { 0 } else { 2 }, "{count}");
+        }
+        assert_eq!(writer.finish(), Some(18));
+    }
+
+    #[test]
+    fn small_states_are_refused() {
+        assert!(NumeralReader::new(&[0; 16]).is_none() && NumeralReader::new(&[1; 15]).is_none());
+        assert!(NumeralReader::new(&[1; 16]).is_some());
+    }
+}

@@ -1,0 +1,193 @@
+//! Predictions with fixed weights, row by row, and the residuals that they leave.
+
+use super::bits::{BitReader, BitWriter};
+use super::neighbours::{Around, Kind, add_row};
+use super::{BothWeights, MOST_SPAN_BITS};
+
+/// Fraction bits of weights.
+pub(super) const WEIGHT_BITS: u32 = 8;
+
+/// Bits of a weight in the codestream, with its sign.
+const CODED_BITS: u32 = 12;
+
+/// The largest sum of magnitudes of weights: sums of products do not overflow.
+const LARGEST_SUM: u32 = 1 << (31 - MOST_SPAN_BITS - 1);
+
+/// Half of the last bit that is rounded away.
+const HALF: i32 = 1 << (WEIGHT_BITS - 1);
+
+/// Neighbours in a row that is known, at most.
+pub(super) const TAPS: usize = 12;
+
+/// What a prediction is made of, in 1/256: W, and the neighbours in known rows.
+///
+/// In a plane these are the five nearest of N, in a brick the three nearest of N, U, UN and US each.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Weights {
+    pub(super) west: i32,
+    pub(super) rows: [i32; TAPS],
+}
+
+impl Weights {
+    /// For samples that nothing is known of: W + N - NW, of which the last counts half; half W, half N, three quarters of U,
+    /// a quarter less of the three between.
+    pub(super) const FIRST: BothWeights = [
+        Self { west: 192, rows: [0, -128, 192, 0, 0, 0, 0, 0, 0, 0, 0, 0] },
+        Self { west: 128, rows: [-64, 128, 0, -64, 192, 0, 0, -64, 0, 0, 0, 0] },
+    ];
+
+    /// Neighbours in known rows.
+    pub(super) const fn taps(kind: Kind) -> usize {
+        match kind {
+            Kind::First => 0,
+            Kind::Plane => 5,
+            Kind::Brick => TAPS,
+        }
+    }
+
+    /// Whether no sum of products overflows.
+    pub(super) fn are_small(&self) -> bool {
+        let magnitudes = self.rows.iter().map(|weight| weight.unsigned_abs());
+        let sum = magnitudes.fold(self.west.unsigned_abs(), u32::saturating_add);
+        let limit = 1 << (CODED_BITS - 1);
+        sum <= LARGEST_SUM && self.rows.iter().chain([&self.west]).all(|weight| *weight < limit)
+    }
+
+    /// Writes the weights of rows of a kind.
+    pub(super) fn write(&self, kind: Kind, bits: &mut BitWriter<'_>) -> Option<()> {
+        bits.put(self.west.cast_unsigned(), CODED_BITS)?;
+        let mut rows = self.rows.iter().take(Self::taps(kind));
+        rows.try_for_each(|weight| bits.put(weight.cast_unsigned(), CODED_BITS))
+    }
+
+    /// Reads what [`Weights::write`] wrote; `None` if sums of products could overflow.
+    pub(super) fn read(kind: Kind, bits: &mut BitReader<'_>) -> Option<Self> {
+        const SPARE: u32 = u32::BITS - CODED_BITS;
+        let mut weight = || (bits.take(CODED_BITS) << SPARE).cast_signed() >> SPARE;
+        let mut weights = Self { west: weight(), rows: [0; TAPS] };
+        weights.rows.iter_mut().take(Self::taps(kind)).for_each(|slot| *slot = weight());
+        weights.are_small().then_some(weights)
+    }
+}
+
+/// Makes ranks of residuals of the samples of a row. `sums` is as long as it.
+pub(super) fn forward(
+    around: &Around<'_>,
+    weights: &BothWeights,
+    span: i32,
+    row: &mut [i32],
+    sums: &mut [i32],
+) {
+    let west = sum_known(around, weights, sums);
+    let ranks = sums;
+    if let (Some(rank), Some(&sample)) = (ranks.first_mut(), row.first()) {
+        *rank = self::rank(sample.wrapping_sub(predicted(*rank, west, first_west(around), span)));
+    }
+    let rest = ranks.get_mut(1..).unwrap_or(&mut []);
+    for (rank, [west_sample, sample]) in rest.iter_mut().zip(row.array_windows()) {
+        *rank = self::rank(sample.wrapping_sub(predicted(*rank, west, *west_sample, span)));
+    }
+    crate::memory::copy(ranks, row);
+}
+
+/// Makes samples of the ranks of a row. `sums` is as long as it.
+pub(super) fn inverse(
+    around: &Around<'_>,
+    weights: &BothWeights,
+    span: i32,
+    row: &mut [i32],
+    sums: &mut [i32],
+) {
+    let weight = sum_known(around, weights, sums);
+    let mut west = first_west(around);
+    for (slot, &sum) in row.iter_mut().zip(&*sums) {
+        west = predicted(sum, weight, west, span).wrapping_add(of_rank(*slot));
+        *slot = west;
+    }
+}
+
+/// The sums over known rows, each half a unit too large so that they round; returns the weight of W.
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn sum_known(around: &Around<'_>, [plane, brick]: &BothWeights, sums: &mut [i32]) -> i32 {
+    sums.fill(HALF);
+    match around.kind {
+        Kind::First => 1 << WEIGHT_BITS,
+        Kind::Plane => {
+            let [a, b, c, d, e, ..] = plane.rows;
+            add_row(sums, around.north, [a, b, c, d, e]);
+            plane.west
+        }
+        Kind::Brick => {
+            let rows = [around.north, around.up, around.up_north, around.up_south];
+            for (row, weights) in rows.into_iter().zip(brick.rows.as_chunks::<3>().0) {
+                add_row(sums, row, *weights);
+            }
+            brick.west
+        }
+    }
+}
+
+/// What stands for W of the first sample.
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn first_west(around: &Around<'_>) -> i32 {
+    around.north.first().copied().unwrap_or(0)
+}
+
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn predicted(sum: i32, weight: i32, west: i32, span: i32) -> i32 {
+    (sum.wrapping_add(weight.wrapping_mul(west)) >> WEIGHT_BITS).max(0).min(span)
+}
+
+/// 0, 1, -1, 2, -2, … by number.
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) const fn rank(residual: i32) -> i32 {
+    let mirrored = residual.wrapping_neg();
+    (mirrored << 1) ^ (mirrored >> 31)
+}
+
+/// The inverse of [`rank`].
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) const fn of_rank(rank: i32) -> i32 {
+    let mirrored = (rank.cast_unsigned() >> 1).cast_signed() ^ (rank & 1).wrapping_neg();
+    mirrored.wrapping_neg()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_by_hand() {
+        for (residual, number) in [(0, 0), (1, 1), (-1, 2), (2, 3), (-2, 4), (1 << 19, (1 << 20) - 1)] {
+            assert_eq!((rank(residual), of_rank(number)), (number, residual));
+        }
+    }
+
+    #[test]
+    fn predictions_by_hand() {
+        let mut weights = Weights::FIRST;
+        weights[0] = Weights { west: 128, rows: [0, 0, 128, 64, 0, 0, 0, 0, 0, 0, 0, 0] };
+        let around =
+            Around { kind: Kind::Plane, north: &[10, 20, 30], up: &[], up_north: &[], up_south: &[] };
+        // p = (10 + 10) / 2 + 20 / 4 = 15, (17 + 20) / 2 + 30 / 4 = 26, 25 at most, (20 + 30) / 2 + 30 / 4 = 32.5, 25.
+        let (mut row, mut scratch) = ([17, 20, 25], [0; 3]);
+        forward(&around, &weights, 25, &mut row, &mut scratch);
+        assert_eq!(row, [3, 10, 0]);
+        inverse(&around, &weights, 25, &mut row, &mut scratch);
+        assert_eq!(row, [17, 20, 25]);
+    }
+
+    #[test]
+    fn large_sums_of_weights_are_refused() {
+        let read = |west: u32, north: u32| {
+            let mut out = [0; 16];
+            let mut bits = BitWriter::new(&mut out);
+            [west, 0, 0, north, 0, 0].iter().for_each(|&weight| bits.put(weight, CODED_BITS).unwrap());
+            bits.finish().unwrap();
+            Weights::read(Kind::Plane, &mut BitReader::new(&out))
+                .map(|weights| [weights.west, weights.rows[2]])
+        };
+        assert_eq!(read(1024, 0x1000 - 1024), Some([1024, -1024]));
+        assert_eq!([read(1025, 1024), read(0x800, 1)], [None; 2]);
+    }
+}

@@ -1,0 +1,277 @@
+//! The frequencies of tokens, by class.
+
+use super::bits::{BitReader, BitWriter};
+use super::class::CLASSES;
+use super::token::TOKENS;
+
+/// Frequencies of a class sum up to 2^12.
+pub(super) const SUM_BITS: u32 = 12;
+
+/// The sum of the frequencies of a class.
+const SUM: u16 = 1 << SUM_BITS;
+
+/// Classes and tokens, rounded up so that masks keep indices in bounds.
+const CLASS_SLOTS: usize = 16;
+/// As [`CLASS_SLOTS`].
+const TOKEN_SLOTS: usize = 64;
+
+/// Points that share an entry of the finder.
+const FINDER_BITS: u32 = 6;
+
+/// Entries of the finder.
+const FINDER: usize = 1 << (SUM_BITS - FINDER_BITS);
+
+/// Bits of the number of tokens of a class.
+const COUNT_BITS: u32 = 6;
+
+const _: () = assert!(CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
+
+/// For each class where the shares of its tokens begin, from 0 to 4096.
+///
+/// While tokens are counted, entry t holds the count of token t.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Tables {
+    starts: [[u16; TOKEN_SLOTS]; CLASS_SLOTS],
+    /// The token that the first of each 64 points belongs to.
+    finder: [[u8; FINDER]; CLASS_SLOTS],
+}
+
+/// The part of the points that is a token's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    pub(super) start: u32,
+    pub(super) frequency: u32,
+}
+
+impl Tables {
+    #[cfg(any(feature = "tabled", test))]
+    #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
+    pub(crate) const NEW: Self =
+        Self { starts: [[0; TOKEN_SLOTS]; CLASS_SLOTS], finder: [[0; FINDER]; CLASS_SLOTS] };
+
+    /// Counts a token of a class; all of the class count half when one count is full.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn count(&mut self, class: i32, token: u32) {
+        let Some(counts) = self.starts.get_mut(slot(class)) else { return };
+        let Some(count) = counts.get_mut(low(token) & (TOKEN_SLOTS - 1)) else { return };
+        *count = count.wrapping_add(1);
+        if *count == u16::MAX {
+            counts.iter_mut().for_each(|count| *count = count.div_ceil(2));
+        }
+    }
+
+    /// Makes starts of shares of the counts: each token that was counted has a share.
+    pub(super) fn normalise(&mut self) {
+        for counts in self.starts.iter_mut().take(CLASSES) {
+            let sum = counts.iter().fold(0_u32, |sum, &count| sum.wrapping_add(count.into()));
+            for count in counts.iter_mut() {
+                let share =
+                    (u32::from(*count) << SUM_BITS).wrapping_add(sum >> 1).checked_div(sum).unwrap_or(0);
+                *count = u16::try_from(share).unwrap_or(SUM).max(u16::from(*count > 0));
+            }
+            balance(counts);
+            accumulate(counts);
+        }
+    }
+
+    /// Writes the frequencies.
+    pub(super) fn write(&self, bits: &mut BitWriter<'_>) -> Option<()> {
+        for starts in self.starts.iter().take(CLASSES) {
+            let frequencies = starts.array_windows().map(|[start, end]| end.wrapping_sub(*start));
+            let used = frequencies
+                .clone()
+                .rposition(|frequency| frequency > 0)
+                .map_or(0, |last| last.wrapping_add(1));
+            bits.put(u32::try_from(used).ok()?, COUNT_BITS)?;
+            let mut before = SUM_BITS;
+            for frequency in frequencies.take(used) {
+                let size = u16::BITS.wrapping_sub(frequency.leading_zeros());
+                write_step(bits, size.cast_signed().wrapping_sub(before.cast_signed()))?;
+                bits.put(frequency.into(), size.saturating_sub(1))?;
+                before = size;
+            }
+        }
+        Some(())
+    }
+
+    /// Reads what [`Tables::write`] wrote; `None` if frequencies do not sum up. In a class without tokens the first has
+    /// all, so that damage which asks for one changes no state.
+    pub(super) fn read(&mut self, bits: &mut BitReader<'_>) -> Option<()> {
+        for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(CLASSES) {
+            let used = low(bits.take(COUNT_BITS));
+            if used > TOKENS {
+                return None;
+            }
+            let mut before = SUM_BITS;
+            let mut sum = 0_u16;
+            for frequency in starts.iter_mut().take(used) {
+                let size = u32::try_from(before.cast_signed().wrapping_add(read_step(bits)?)).ok()?;
+                if size > SUM_BITS.wrapping_add(1) {
+                    return None;
+                }
+                before = size;
+                let below = bits.take(size.saturating_sub(1));
+                let leading = if size == 0 { 0 } else { 1_u32 << size.wrapping_sub(1) };
+                *frequency = u16::try_from(below | leading).ok()?;
+                sum = sum.checked_add(*frequency)?;
+            }
+            if used == 0 {
+                let [first, ..] = starts;
+                *first = SUM;
+            } else if sum != SUM || starts.get(used.wrapping_sub(1)) == Some(&0) {
+                return None;
+            }
+            accumulate(starts);
+            fill_finder(starts, finder);
+        }
+        Some(())
+    }
+
+    /// The share of a token.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn share(&self, class: i32, token: u32) -> Share {
+        share(self.starts.get(slot(class)), low(token) & (TOKEN_SLOTS - 1))
+    }
+
+    /// The token whose share has `point`, below 4096.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn find(&self, class: i32, point: u32) -> (u32, Share) {
+        let class = slot(class);
+        let finder =
+            self.finder.get(class).and_then(|finder| finder.get(low(point >> FINDER_BITS) & (FINDER - 1)));
+        let mut token = finder.copied().map_or(0, usize::from) & (TOKEN_SLOTS - 1);
+        let starts = self.starts.get(class);
+        let mut found = share(starts, token);
+        while point >= found.start.wrapping_add(found.frequency) && token < TOKENS {
+            token = token.wrapping_add(1);
+            found = share(starts, token);
+        }
+        (u32::try_from(token).unwrap_or(0), found)
+    }
+}
+
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn share(starts: Option<&[u16; TOKEN_SLOTS]>, token: usize) -> Share {
+    let at =
+        |token: usize| starts.and_then(|starts| starts.get(token & (TOKEN_SLOTS - 1))).copied().unwrap_or(0);
+    let (start, end) = (at(token), at(token.wrapping_add(1)));
+    Share { start: start.into(), frequency: end.wrapping_sub(start).into() }
+}
+
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn slot(class: i32) -> usize {
+    low(class.cast_unsigned()) & (CLASS_SLOTS - 1)
+}
+
+#[cfg_attr(not(feature = "small"), inline(always))]
+const fn low(number: u32) -> usize {
+    crate::extent::to_usize(number)
+}
+
+/// Makes shares that sum up to about 2^12 do so exactly, at the cost of the largest.
+fn balance(shares: &mut [u16]) {
+    let mut sum = shares.iter().fold(0_u16, |sum, &share| sum.wrapping_add(share));
+    while sum != SUM && sum > 0 {
+        let Some(largest) = shares.iter_mut().max_by_key(|share| **share) else { return };
+        // More than its half is never taken, so that no token loses its share.
+        let change = if sum > SUM {
+            sum.wrapping_sub(SUM).min(*largest >> 1).wrapping_neg()
+        } else {
+            SUM.wrapping_sub(sum)
+        };
+        *largest = largest.wrapping_add(change);
+        sum = sum.wrapping_add(change);
+    }
+}
+
+/// Makes starts of frequencies.
+fn accumulate(frequencies: &mut [u16]) {
+    let mut start = 0_u16;
+    for slot in frequencies {
+        let frequency = *slot;
+        *slot = start;
+        start = start.wrapping_add(frequency);
+    }
+}
+
+fn fill_finder(starts: &[u16; TOKEN_SLOTS], finder: &mut [u8; FINDER]) {
+    let mut token = 0_u8;
+    for (entry, point) in finder.iter_mut().zip((0..SUM).step_by(1 << FINDER_BITS)) {
+        let next = |token: u8| starts.get(usize::from(token).wrapping_add(1)).copied();
+        while usize::from(token) < TOKENS && next(token).is_some_and(|start| start <= point) {
+            token = token.wrapping_add(1);
+        }
+        *entry = token;
+    }
+}
+
+/// Writes a small change of size: as many ones as its rank, and a zero.
+fn write_step(bits: &mut BitWriter<'_>, step: i32) -> Option<()> {
+    let rank = super::predict::rank(step).cast_unsigned();
+    bits.put(low_ones(rank), rank.wrapping_add(1))
+}
+
+fn read_step(bits: &mut BitReader<'_>) -> Option<i32> {
+    let mut rank = 0;
+    while bits.take(1) == 1 {
+        rank = i32::wrapping_add(rank, 1);
+        if rank > MOST_RANK {
+            return None;
+        }
+    }
+    Some(super::predict::of_rank(rank))
+}
+
+/// The rank of the largest change of size, from 13 bits to none.
+const MOST_RANK: i32 = 26;
+
+const fn low_ones(count: u32) -> u32 {
+    (1_u32 << (count & 31)).wrapping_sub(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frequencies_are_in_proportion_and_come_back() {
+        let mut tables = Tables::NEW;
+        for _ in 0..3 {
+            tables.count(2, 0);
+        }
+        tables.count(2, 5);
+        tables.normalise();
+        let mut out = [0; 64];
+        let mut bits = BitWriter::new(&mut out);
+        tables.write(&mut bits).unwrap();
+        // 14 counts; of sizes 12, 0, 0, 0, 0, 11 the steps 0, -12, 0, 0, 0, 11; 11 + 10 bits below leading ones.
+        let len = (14 * 6 + 1 + 25 + 3 + 22 + 11 + 10_usize).div_ceil(8);
+        assert_eq!(bits.finish(), Some(len));
+        let mut read = Tables::NEW;
+        read.read(&mut BitReader::new(&out)).unwrap();
+        let find = |class, point| {
+            let (token, Share { start, frequency }) = read.find(class, point);
+            (token, start, frequency)
+        };
+        assert_eq!([find(2, 0), find(2, 3071)], [(0, 0, 3072); 2]);
+        assert_eq!([find(2, 3072), find(2, 4095)], [(5, 3072, 1024); 2]);
+        assert_eq!([find(7, 0), find(7, 4095)], [(0, 0, 4096); 2], "a class without tokens");
+    }
+
+    #[test]
+    fn every_counted_token_has_a_share() {
+        let mut shares = [4000, 1, 0, 90, 40];
+        balance(&mut shares);
+        assert_eq!(shares, [3965, 1, 0, 90, 40]);
+        let mut shares = [0; 3];
+        balance(&mut shares);
+        assert_eq!(shares, [0; 3]);
+    }
+
+    #[test]
+    fn a_wrong_sum_is_refused() {
+        // One token of size 12, which is no change: 2048 of 4096.
+        let [low, high] = 1_u16.to_le_bytes();
+        assert_eq!({ Tables::NEW }.read(&mut BitReader::new(&[low, high, 0, 0])), None);
+    }
+}

@@ -1,0 +1,218 @@
+//! What a stream of rows is made of, and the memory that it takes.
+
+use super::fronts::{forward_rows, inverse_rows, lag};
+use crate::extent::to_usize;
+use crate::transform::row_scratch_len;
+use crate::{Extent, PlanError, SampleType, Wavelet};
+
+/// Levels of a stream, at most.
+pub(super) const MAX_LEVELS: u8 = 31;
+
+/// Samples in a strip, unless something else is asked for.
+const STRIP_SAMPLES: u32 = 1 << 13;
+
+/// Rows in a strip, at least, unless something else is asked for.
+const LEAST_STRIP: u32 = 8;
+
+/// Wavelet, width, levels and type of the samples of a slice whose rows come one after another, their number not known
+/// before.
+///
+/// A level splits each axis that is longer than one sample, so where the height turns out small, or the width is, the
+/// last levels may change nothing; the coefficients are those of a [`Plan`](crate::Plan) with as many levels as the
+/// extent has, if it has fewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RowPlan {
+    wavelet: Wavelet,
+    width: u32,
+    levels: u8,
+    sample_type: SampleType,
+    strip: u32,
+}
+
+impl RowPlan {
+    /// Rows of `width` samples, under `levels` levels of `wavelet`; 0 levels mean no transform.
+    ///
+    /// # Errors
+    /// [`PlanError::ZeroExtent`] or [`PlanError::ExtentTooLarge`] for a width without samples, or of 2^31 or more;
+    /// [`PlanError::TooManyLevels`] for more than 31 levels.
+    pub const fn new(
+        wavelet: Wavelet,
+        width: u32,
+        levels: u8,
+        sample_type: SampleType,
+    ) -> Result<Self, PlanError> {
+        if let Err(error) = Extent::line(width) {
+            return Err(error);
+        }
+        if levels > MAX_LEVELS {
+            return Err(PlanError::TooManyLevels { max: MAX_LEVELS });
+        }
+        let wavelet = if levels == 0 { Wavelet::Haar } else { wavelet };
+        let strip = STRIP_SAMPLES.div_ceil(width);
+        let strip = if strip < LEAST_STRIP { LEAST_STRIP } else { strip };
+        Ok(Self { wavelet, width, levels, sample_type, strip })
+    }
+
+    /// The same in strips of `rows` rows, at least one and at most 65,535.
+    ///
+    /// All bytes of a strip leave with its last row, the first long before. A strip takes about three bytes more than
+    /// its coefficients. Without this, strips have 8,192 samples or more.
+    #[must_use]
+    pub const fn with_strip(self, rows: u16) -> Self {
+        #[expect(clippy::as_conversions, reason = "lossless; From is not const")]
+        let strip = if rows == 0 { 1 } else { rows as u32 };
+        Self { strip, ..self }
+    }
+
+    /// The wavelet; with 0 levels always psi_H, whatever was asked for.
+    #[must_use]
+    pub const fn wavelet(&self) -> Wavelet {
+        self.wavelet
+    }
+
+    /// Samples of a row.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// How often the low-pass part is transformed again.
+    #[must_use]
+    pub const fn levels(&self) -> u8 {
+        self.levels
+    }
+
+    /// The type of the samples.
+    #[must_use]
+    pub const fn sample_type(&self) -> SampleType {
+        self.sample_type
+    }
+
+    /// Rows of a strip.
+    #[must_use]
+    pub const fn strip(&self) -> u32 {
+        self.strip
+    }
+
+    /// Bytes that any stream of rows begins with, at most.
+    pub const MAX_HEADER_BYTES: usize = super::header::MAX_BYTES;
+
+    /// `i32`s of memory that a [`RowEncoder`](super::RowEncoder) takes.
+    ///
+    /// With n rows that the wavelet works on at a time (2 for psi_H, 3 for psi_Q, 4 for psi_1, 5 for psi_3, 6 for psi_D
+    /// and psi_5), about n + 1 1/2 per column on the first level, half of it on the second and so on, and one more:
+    /// for three levels at most 14 1/8, and 30 more.
+    #[must_use]
+    pub const fn encoder_memory_len(&self) -> usize {
+        self.layout(Role::Encoder).total
+    }
+
+    /// `i32`s of memory that a [`RowDecoder`](super::RowDecoder) takes.
+    ///
+    /// A row comes back when the last one that its coefficients depend on has gone in; until then those of the finer
+    /// levels wait, on the first of L levels for a (2^(L-1) - 1) pairs of rows, a being 1 for psi_H, 3 for psi_1, 4 for
+    /// psi_Q, 5 for psi_3, 7 for psi_5 and 8 for psi_D.
+    #[must_use]
+    pub const fn decoder_memory_len(&self) -> usize {
+        self.layout(Role::Decoder).total
+    }
+
+    /// Columns on a level: ceil(width / 2^level).
+    pub(super) const fn width_at(&self, level: u8) -> usize {
+        match self.width.wrapping_sub(1).checked_shr(level_bits(level)) {
+            Some(rest) => to_usize(rest.wrapping_add(1)),
+            None => 1,
+        }
+    }
+
+    /// Where things lie in the memory of an encoder or a decoder.
+    pub(super) const fn layout(&self, role: Role) -> Layout {
+        let columns = to_usize(self.width);
+        let low = self.width_at(self.levels);
+        let scratch = if self.levels == 0 { 0 } else { row_scratch_len(columns) };
+        let north = scratch;
+        let above = north.saturating_add(low);
+        let low_row = above.saturating_add(low);
+        let out = low_row.saturating_add(low);
+        let total = out.saturating_add(match role {
+            Role::Encoder => 0,
+            Role::Decoder => columns,
+        });
+        let mut layout = Layout { scratch, north, above, low_row, out, first_level: total, total };
+        let mut level = 0;
+        while level < self.levels {
+            layout.total = layout.total.saturating_add(self.level_len(role, level));
+            level = level.wrapping_add(1);
+        }
+        layout
+    }
+
+    /// `i32`s that a level takes.
+    const fn level_len(&self, role: Role, level: u8) -> usize {
+        let width = self.width_at(level);
+        let details = width.saturating_add(width / 2);
+        width
+            .saturating_mul(self.rows(role))
+            .saturating_add(details)
+            .saturating_add(details.saturating_mul(self.held(role, level)))
+    }
+
+    /// Rows of a level that the transform along y works on.
+    pub(super) const fn rows(&self, role: Role) -> usize {
+        match role {
+            Role::Encoder => forward_rows(self.wavelet),
+            Role::Decoder => inverse_rows(self.wavelet),
+        }
+    }
+
+    /// Pairs of rows of details that may wait on a level.
+    pub(super) const fn held(&self, role: Role, level: u8) -> usize {
+        match role {
+            Role::Encoder => 0,
+            Role::Decoder => {
+                let coarser = self.levels.saturating_sub(level).saturating_sub(1);
+                let rows = match 1_usize.checked_shl(level_bits(coarser)) {
+                    Some(rows) => rows.saturating_sub(1),
+                    None => usize::MAX,
+                };
+                rows.saturating_mul(lag(self.wavelet)).saturating_add(1)
+            }
+        }
+    }
+
+    /// Where a level begins in memory: first its rows, then what is kept of rows above, then details that wait.
+    pub(super) fn level_start(&self, role: Role, level: u8) -> usize {
+        let before = (0..level).map(|level| self.level_len(role, level));
+        before.fold(self.layout(role).first_level, usize::saturating_add)
+    }
+}
+
+#[expect(clippy::as_conversions, reason = "lossless; From is not const")]
+const fn level_bits(level: u8) -> u32 {
+    level as u32
+}
+
+/// Whose memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Encoder,
+    Decoder,
+}
+
+/// Where things begin in memory, and its length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// Length of the scratch that it begins with.
+    pub(super) scratch: usize,
+    /// The row above of the low-pass part.
+    pub(super) north: usize,
+    /// What is kept of the rows above of the low-pass part.
+    pub(super) above: usize,
+    /// A row of the low-pass part.
+    pub(super) low_row: usize,
+    /// A row of samples to come out.
+    pub(super) out: usize,
+    pub(super) first_level: usize,
+    pub(super) total: usize,
+}

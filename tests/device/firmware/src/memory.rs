@@ -1,0 +1,83 @@
+//! The memory that the kernel is lent.
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use wavelift_kernel::{Codec, Dense, Lattice, Training};
+
+/// Samples of the largest brick or vector.
+pub(crate) const SAMPLES: usize = if cfg!(feature = "roomy") { fixture::VOLUME } else { 8 * 8 * 8 };
+const SCRATCH: usize = if cfg!(feature = "roomy") { 200_000 } else { 512 };
+const BYTES: usize = 2 * SAMPLES + 64;
+
+/// All of it.
+pub(crate) struct Memory {
+    codec: Codec,
+    samples: [i32; SAMPLES],
+    scratch: [i32; SCRATCH],
+    bytes: [u8; BYTES],
+    #[cfg(feature = "roomy")]
+    efforts: Efforts,
+}
+
+/// What efforts beyond fast take.
+pub(crate) struct Efforts {
+    pub(crate) training: Training,
+    pub(crate) dense: Dense,
+    pub(crate) lattice: Lattice,
+}
+
+/// Its parts.
+pub(crate) struct Parts<'a> {
+    pub(crate) codec: &'a mut Codec,
+    pub(crate) samples: &'a mut [i32],
+    pub(crate) scratch: &'a mut [i32],
+    pub(crate) bytes: &'a mut [u8],
+    /// Where there is room.
+    pub(crate) efforts: Option<&'a mut Efforts>,
+}
+
+impl Memory {
+    pub(crate) fn parts(&mut self) -> Parts<'_> {
+        Parts {
+            codec: &mut self.codec,
+            samples: &mut self.samples,
+            scratch: &mut self.scratch,
+            bytes: &mut self.bytes,
+            #[cfg(feature = "roomy")]
+            efforts: Some(&mut self.efforts),
+            #[cfg(not(feature = "roomy"))]
+            efforts: None,
+        }
+    }
+}
+
+struct Lender {
+    memory: UnsafeCell<Memory>,
+    is_lent: AtomicBool,
+}
+
+// SAFETY: the memory is lent once, before there could be a second thread.
+unsafe impl Sync for Lender {}
+
+static LENDER: Lender = Lender {
+    memory: UnsafeCell::new(Memory {
+        codec: Codec::NEW,
+        samples: [0; SAMPLES],
+        scratch: [0; SCRATCH],
+        bytes: [0; BYTES],
+        #[cfg(feature = "roomy")]
+        efforts: Efforts { training: Training::NEW, dense: Dense::NEW, lattice: Lattice::NEW },
+    }),
+    is_lent: AtomicBool::new(false),
+};
+
+/// The memory, the first time.
+pub(crate) fn lend() -> Option<&'static mut Memory> {
+    if LENDER.is_lent.load(Ordering::Relaxed) {
+        return None;
+    }
+    LENDER.is_lent.store(true, Ordering::Relaxed);
+    // SAFETY: nobody else has it, and nobody else will get it.
+    Some(unsafe { &mut *LENDER.memory.get() })
+}

@@ -1,0 +1,20 @@
+//! An encoder that trains nothing.
+
+#![no_std]
+#![no_main]
+
+use image as _;
+use wavelift_kernel::{Codec, Effort, EncodeError, Plan, SampleType};
+
+/// As [`Codec::encode`].
+#[unsafe(no_mangle)]
+#[unsafe(link_section = ".entry")]
+pub fn encode(
+    codec: &mut Codec,
+    (plan, sample_type): (&Plan, SampleType),
+    samples: &mut [i32],
+    scratch: &mut [i32],
+    out: &mut [u8],
+) -> Result<usize, EncodeError> {
+    codec.encode(Effort::Fast, plan, sample_type, samples, scratch, out)
+}

@@ -1,0 +1,136 @@
+//! Damage to every golden codestream, and to streams of rows and slabs made of their samples.
+
+use std::fmt;
+
+use wavelift_kernel::stream::{RowPlan, SlabPlan};
+use wavelift_kernel::{Extent, Header, SampleType, Wavelet};
+
+use crate::corrupt::Damage;
+use crate::lent::decode_any;
+use crate::oracle::noise::Noise;
+use crate::slabs;
+use crate::streams::{self, Pieces};
+use crate::vectors::{Expect, Manifest, decode};
+
+/// Samples for which memory is taken when damage asks for it.
+const MOST_SAMPLES: usize = 1 << 12;
+
+/// Elements of memory that are lent to a decoder of rows.
+const MOST_MEMORY: usize = 1 << 14;
+
+/// What came of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Damaged codestreams and streams.
+    pub cases: usize,
+    /// Those of which a decoder said that something is wrong.
+    pub noticed: usize,
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} damaged streams, {} noticed", self.cases, self.noticed)
+    }
+}
+
+/// Damages `count` streams, golden ones in turn, each in one way, every fourth in two.
+///
+/// # Errors
+///
+/// If the golden data cannot be read.
+///
+/// # Panics
+///
+/// If a decoder panics, writes outside of what it was lent, gives a sample outside its type, or says other things of a
+/// stream that comes in pieces.
+pub fn run(seed: u64, count: usize) -> Result<Tally, String> {
+    let streams = golden()?;
+    let mut noise = Noise::new(seed);
+    let mut tally = Tally::default();
+    for case in 0..count {
+        let mut bytes = streams[case % streams.len()].clone();
+        let other = &streams[(noise.bits() % streams.len() as u64) as usize];
+        for _ in 0..=usize::from(case.is_multiple_of(4)) {
+            let way = (noise.bits() % Damage::ALL.len() as u64) as usize;
+            if !bytes.is_empty() {
+                Damage::ALL[way].inflict(&mut bytes, other, &mut noise);
+            }
+        }
+        tally.cases += 1;
+        tally.noticed += usize::from(is_refused(&bytes));
+    }
+    Ok(tally)
+}
+
+/// Every codestream of the golden data, those to be refused too, and two streams of its smallest slice.
+fn golden() -> Result<Vec<Vec<u8>>, String> {
+    let manifest = Manifest::read()?;
+    let mut streams = Vec::new();
+    for vector in &manifest.vectors {
+        let bytes = vector.read()?;
+        if let Expect::Crc32(_) = vector.expect
+            && let (Ok(header), Ok(samples)) = (Header::parse(&bytes), decode(&bytes))
+        {
+            streams.extend(arriving(&header, &samples));
+        }
+        streams.push(bytes);
+    }
+    streams.retain(|bytes| !bytes.is_empty());
+    Ok(streams)
+}
+
+/// A stream of rows and one of slabs of the same samples, if they are few.
+fn arriving(header: &Header, samples: &[i32]) -> Vec<Vec<u8>> {
+    let (extent, sample_type): (Extent, SampleType) = (header.plan().extent(), header.sample_type());
+    let [width, height, depth] = extent.axes();
+    let (levels, wavelet): (u8, Wavelet) = (header.plan().levels(), header.plan().wavelet());
+    if samples.len() > MOST_SAMPLES / 4 {
+        return Vec::new();
+    }
+    let rows = RowPlan::new(wavelet, width, levels, sample_type).map(|plan| plan.with_strip(7));
+    let slab = Extent::new([width, height, depth.div_ceil(2)]).ok();
+    let slabs =
+        slab.and_then(|slab| SlabPlan::new(wavelet, slab, levels.min(slab.max_levels()), sample_type).ok());
+    let rows = rows.ok().map(|plan| streams::encode(&plan, samples, Pieces::Whole));
+    rows.into_iter().chain(slabs.map(|plan| slabs::encode(&plan, None, samples, samples.len()))).collect()
+}
+
+/// Whether any decoder refuses the bytes.
+fn is_refused(bytes: &[u8]) -> bool {
+    if bytes.starts_with(b"wS") { is_refused_arriving(bytes) } else { is_refused_whole(bytes) }
+}
+
+fn is_refused_whole(bytes: &[u8]) -> bool {
+    let Ok(header) = Header::parse(bytes) else { return true };
+    if header.samples_len(0) > MOST_SAMPLES {
+        return true;
+    }
+    let refused = |level| match decode_any(bytes, level, &header) {
+        Ok(samples) => {
+            let range = header.sample_type().range();
+            assert!(level > 0 || samples.iter().all(|sample| range.contains(sample)), "outside its type");
+            false
+        }
+        Err(_) => true,
+    };
+    // The finest level last, as it is what counts.
+    (0..=header.plan().levels()).rev().map(refused).fold(false, |_, last| last)
+}
+
+fn is_refused_arriving(bytes: &[u8]) -> bool {
+    if let Ok((plan, _)) = RowPlan::parse(bytes) {
+        if plan.decoder_memory_len() > MOST_MEMORY {
+            return true;
+        }
+        let whole = streams::decode(bytes, MOST_SAMPLES, Pieces::Whole);
+        let cut = streams::decode(bytes, MOST_SAMPLES, Pieces::Of(3));
+        assert!(whole.0.len() > MOST_SAMPLES || whole == cut, "the pieces matter");
+        return whole.1.is_err();
+    }
+    if SlabPlan::parse(bytes).is_ok_and(|(plan, _)| plan.samples_len() > MOST_SAMPLES) {
+        return true;
+    }
+    let whole = slabs::decode(bytes, MOST_SAMPLES);
+    assert_eq!(slabs::decode(bytes, 3), whole, "the pieces matter");
+    whole.1.is_err()
+}

@@ -1,0 +1,93 @@
+//! What is known of the rows before: predictions and classes.
+
+use super::model::Model;
+
+/// The least energies of the classes above the first.
+const THRESHOLDS: [i64; 13] = [1, 3, 5, 8, 12, 18, 28, 44, 80, 160, 400, 1200, 5000];
+
+/// The values of places as far as they are known, x fastest.
+#[derive(Debug)]
+pub(super) struct Rows {
+    pub extent: [usize; 3],
+    pub values: Vec<i64>,
+}
+
+/// The known rows of a brick, as (y, z): of a plane N alone.
+struct Known {
+    n: [usize; 2],
+    u: [usize; 2],
+    un: [usize; 2],
+    us: [usize; 2],
+}
+
+/// All places, x fastest.
+pub(super) fn places([width, height, depth]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let rows = (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]));
+    rows.flat_map(move |[y, z]| (0..width).map(move |x| [x, y, z]))
+}
+
+impl Rows {
+    pub(super) const fn new(extent: [usize; 3]) -> Self {
+        Self { extent, values: Vec::new() }
+    }
+
+    /// The value of a row at x + i, or its first or last.
+    fn at(&self, [y, z]: [usize; 2], x: usize, i: isize) -> i64 {
+        let [width, height, _] = self.extent;
+        let x = x.saturating_add_signed(i).min(width - 1);
+        self.values[(z * height + y) * width + x]
+    }
+
+    fn columns(&self, row: [usize; 2], x: usize, reach: isize) -> Vec<i64> {
+        (-reach..=reach).map(|i| self.at(row, x, i)).collect()
+    }
+
+    /// Those of a brick, z > 0.
+    const fn known(&self, y: usize, z: usize) -> Known {
+        let u = [y, z - 1];
+        Known {
+            n: if y > 0 { [y - 1, z] } else { u },
+            u,
+            un: if y > 0 { [y - 1, z - 1] } else { u },
+            us: if y + 1 < self.extent[1] { [y + 1, z - 1] } else { u },
+        }
+    }
+}
+
+/// p of the text at a place, from samples less the lowest.
+pub(super) fn prediction(samples: &Rows, model: &Model, span: i64, [x, y, z]: [usize; 3]) -> i64 {
+    let before = |n: [usize; 2]| if x > 0 { samples.at([y, z], x, -1) } else { samples.at(n, 0, 0) };
+    let (weights, values) = match (y, z) {
+        (0, 0) => return if x > 0 { samples.at([0, 0], x, -1).clamp(0, span) } else { 0 },
+        (_, 0) => {
+            let n = [y - 1, 0];
+            let mut values = vec![before(n)];
+            values.extend(samples.columns(n, x, 2));
+            (model.weights.first(), values)
+        }
+        _ => {
+            let Known { n, u, un, us } = samples.known(y, z);
+            let mut values = vec![before(n)];
+            values.extend([n, u, un, us].iter().flat_map(|row| samples.columns(*row, x, 1)));
+            (model.weights.last(), values)
+        }
+    };
+    let weights = weights.expect("a set for the kind of every row");
+    assert_eq!(weights.len(), values.len(), "a weight for every value");
+    let sum: i64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
+    ((128 + sum) >> 8).clamp(0, span)
+}
+
+/// The class of a place, from ranks.
+pub(super) fn class(ranks: &Rows, [x, y, z]: [usize; 3]) -> usize {
+    let around = |row| ranks.at(row, x, -1) + 2 * ranks.at(row, x, 0) + ranks.at(row, x, 1);
+    let energy = match (y, z) {
+        (0, 0) => 0,
+        (_, 0) => around([y - 1, 0]),
+        _ => {
+            let Known { n, u, us, .. } = ranks.known(y, z);
+            (around(n) + around(u) + ranks.at(us, x, 0)) >> 1
+        }
+    };
+    THRESHOLDS.iter().filter(|&&threshold| threshold <= energy).count()
+}

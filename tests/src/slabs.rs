@@ -1,0 +1,91 @@
+//! Calls of the kernel's streams of slabs, with input and output in pieces.
+
+use wavelift_kernel::stream::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan, Status};
+use wavelift_kernel::{Codec, DecodeError, LengthError, Slice, Training};
+
+/// Samples of a slab for which memory is lent.
+const MOST_SAMPLES: usize = 1 << 16;
+
+/// The memory of an encoder or a decoder.
+#[derive(Debug)]
+pub struct Memory {
+    /// For samples.
+    pub samples: Vec<i32>,
+    /// For scratch.
+    pub scratch: Vec<i32>,
+    /// For bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Memory {
+    /// As much as a plan asks for.
+    #[must_use]
+    pub fn new(plan: &SlabPlan) -> Self {
+        let (samples, scratch) = (vec![0; plan.samples_len()], vec![0; plan.scratch_len()]);
+        Self { samples, scratch, bytes: vec![0; plan.bytes_len()] }
+    }
+
+    /// To be lent.
+    pub fn lend(&mut self) -> SlabMemory<'_> {
+        let Self { samples, scratch, bytes } = self;
+        SlabMemory { samples, scratch, bytes }
+    }
+}
+
+/// The stream of slices, made in pieces of so many elements.
+///
+/// # Panics
+///
+/// If the encoder says what it must not.
+pub fn encode(plan: &SlabPlan, training: Option<&mut Training>, samples: &[i32], piece: usize) -> Vec<u8> {
+    let (mut memory, mut codec) = (Memory::new(plan), Codec::NEW);
+    let mut encoder = SlabEncoder::new(plan, &mut codec, training, memory.lend()).expect("memory for it");
+    let (mut rest, mut stream, mut output) = (samples, Vec::new(), vec![0; piece]);
+    loop {
+        let input = &rest[..piece.min(rest.len())];
+        let step = encoder.step(input, &mut output).expect("samples of the type");
+        stream.extend_from_slice(&output[..step.produced]);
+        rest = &rest[step.consumed..];
+        match step.status {
+            Status::NeedInput if rest.is_empty() => encoder.finish().expect("whole slices"),
+            Status::NeedInput => assert_eq!(step.consumed, input.len()),
+            Status::NeedOutput => assert_eq!(step.produced, piece),
+            Status::Done => return stream,
+        }
+    }
+}
+
+/// The samples of a stream of slabs that are not too large, and the bytes after it, or why it ends.
+///
+/// # Panics
+///
+/// If the decoder says what it must not.
+pub fn decode(stream: &[u8], piece: usize) -> (Vec<i32>, Result<usize, DecodeError>) {
+    let (plan, header) = match SlabPlan::parse(stream) {
+        Ok(parsed) => parsed,
+        Err(error) => return (Vec::new(), Err(error)),
+    };
+    let expected = plan.samples_len();
+    if expected > MOST_SAMPLES {
+        let error = LengthError { slice: Slice::Samples, expected, actual: 0 };
+        return (Vec::new(), Err(DecodeError::Length(error)));
+    }
+    let (mut memory, mut codec) = (Memory::new(&plan), Codec::NEW);
+    let mut decoder = SlabDecoder::new(&plan, &mut codec, memory.lend()).expect("memory for it");
+    let (mut rest, mut samples, mut output) = (&stream[header..], Vec::new(), vec![0; piece]);
+    loop {
+        let input = &rest[..piece.min(rest.len())];
+        let step = match decoder.step(input, &mut output) {
+            Ok(step) => step,
+            Err(error) => return (samples, Err(error)),
+        };
+        samples.extend_from_slice(&output[..step.produced]);
+        rest = &rest[step.consumed..];
+        match step.status {
+            Status::NeedInput if rest.is_empty() => return (samples, Err(DecodeError::Truncated)),
+            Status::NeedInput => assert_eq!(step.consumed, input.len()),
+            Status::NeedOutput => {}
+            Status::Done => return (samples, Ok(rest.len())),
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! Every row of what a decoder must reject, written by hand.
+
+use conformance::oracle::coder::SampleType;
+use conformance::oracle::tabled::{self, CLASSES, Model, Segment, constant, fit, sets};
+use wavelift_kernel::{DecodeError, Malformed};
+
+use crate::both;
+
+const EXTENT: [usize; 3] = [5, 3, 2];
+
+/// Small and large residuals: extra bits, and several classes.
+fn samples() -> Vec<i32> {
+    (0..30).map(|i| if i % 4 == 0 { 200 - i } else { i % 3 }).collect()
+}
+
+const BOUNDS: [i32; 2] = [0, 200];
+
+/// Each sample by the sample before it.
+fn weights(extent: [usize; 3]) -> Vec<Vec<i64>> {
+    let before = |count| (0..count).map(move |i| if i == 0 { 256 } else { 0 }).collect();
+    sets(extent).into_iter().map(before).collect()
+}
+
+fn sound() -> (Segment, Model) {
+    let model = fit(&samples(), EXTENT, BOUNDS, weights(EXTENT));
+    (tabled::encode(&samples(), EXTENT, BOUNDS, &model), model)
+}
+
+#[track_caller]
+fn refused(segment: &[u8], extent: [usize; 3], sample_type: SampleType, error: Malformed) {
+    assert_eq!(both(segment, extent, sample_type).err(), Some(DecodeError::Malformed(error)));
+}
+
+#[track_caller]
+fn wrong(segment: &Segment) {
+    refused(&segment.bytes(), EXTENT, SampleType::U8, Malformed::Segment);
+}
+
+/// The sound segment with other bytes of weights and tables.
+fn with_model(model: Vec<u8>) -> Segment {
+    Segment { model, ..sound().0 }
+}
+
+#[test]
+fn the_sound_one_is_read() {
+    let (segment, _) = sound();
+    assert!(!segment.extra.is_empty() && !segment.words.is_empty());
+    assert_eq!(both(&segment.bytes(), EXTENT, SampleType::U8), Ok(samples()));
+}
+
+#[test]
+fn spans() {
+    let (segment, _) = sound();
+    for span in [-1, i32::MIN, 1 << 19, i32::MAX] {
+        wrong(&Segment { span, ..segment.clone() });
+    }
+    // No byte after a span of 0, but the samples are there.
+    assert_eq!(both(&constant(7, 0), EXTENT, SampleType::U8), Ok(vec![7; 30]));
+    refused(&[constant(7, 0), vec![0]].concat(), EXTENT, SampleType::U8, Malformed::Segment);
+    wrong(&Segment { span: 0, ..segment });
+}
+
+#[test]
+fn one_row() {
+    for extent in [[30, 1, 1], [1, 1, 1]] {
+        let places = extent.iter().product();
+        assert_eq!(both(&constant(-9, 0), extent, SampleType::I8), Ok(vec![-9; places]));
+        let model = fit(&samples()[..places], extent, BOUNDS, Vec::new());
+        let segment = tabled::encode(&samples()[..places], extent, BOUNDS, &model);
+        refused(&segment.bytes(), extent, SampleType::U8, Malformed::Segment);
+    }
+}
+
+#[test]
+fn too_large_weights() {
+    // W and the middle of N, and of the brick too.
+    let limit = |sum: i64| {
+        let mut weights = weights(EXTENT);
+        for set in &mut weights {
+            (set[0], set[3]) = (1024, 1024 - sum);
+        }
+        let model = fit(&samples(), EXTENT, BOUNDS, weights.clone());
+        tabled::encode(&samples(), EXTENT, BOUNDS, &model)
+    };
+    assert_eq!(both(&limit(2048).bytes(), EXTENT, SampleType::U8), Ok(samples()));
+    wrong(&limit(2049));
+    // The second set alone.
+    let (segment, mut model) = sound();
+    model.weights[1][5] = -1793;
+    wrong(&Segment { model: model.write().bytes, ..segment });
+}
+
+#[test]
+fn tables() {
+    let (_, model) = sound();
+    let full = |last: i64| (0..41).map(|_| 1).chain([4096 - 41, last]).collect::<Vec<i64>>();
+    // 43 tokens; sums below and above; a last frequency of 0; a size of 14.
+    for table in [full(1), vec![4095], vec![4097], vec![2048, 2047], vec![4096, 0], vec![0], vec![8192]] {
+        for class in [0, CLASSES - 1] {
+            let mut model = model.clone();
+            model.tables[class] = table.clone();
+            wrong(&with_model(model.write().bytes));
+        }
+    }
+}
+
+/// A table whose bits are given, after weights, for class 0.
+fn with_ones(ones: usize, then: i64) -> Segment {
+    let mut bits = Model { weights: weights(EXTENT), tables: Vec::new() }.write();
+    bits.bits(6, 1);
+    (0..ones).for_each(|_| bits.bits(1, 1));
+    bits.bits(1, then);
+    let rest = Model { weights: Vec::new(), tables: vec![Vec::new(); CLASSES] }.write();
+    bits.bytes.extend(rest.bytes);
+    with_model(bits.bytes)
+}
+
+#[test]
+fn sizes() {
+    // 12 - 13, 12 + 2 and a change that is none.
+    for ones in [26, 3, 27, 28, 63, 64, 200] {
+        wrong(&with_ones(ones, 0));
+    }
+}
+
+#[test]
+fn unused_bits() {
+    let (segment, model) = sound();
+    let mut bits = model.write();
+    let mut filled = 0;
+    while bits.bytes.len() == segment.model.len() {
+        bits.bits(1, 0);
+        filled += 1;
+    }
+    assert!(filled > 1, "no bit is unused");
+    let mut last = segment.model;
+    *last.last_mut().expect("a model has bytes") |= 0x80;
+    wrong(&with_model(last));
+}
+
+#[test]
+fn states_and_words() {
+    let (segment, _) = sound();
+    for state in 0..4 {
+        for v in [0, 0xFFFF] {
+            let mut segment = segment.clone();
+            segment.states[state] = v;
+            wrong(&segment);
+        }
+        // One more or less where it begins is another where it ends.
+        let mut segment = segment.clone();
+        segment.states[state] += 4096;
+        wrong(&segment);
+    }
+    let mut more = segment.clone();
+    more.words.push(0);
+    wrong(&more);
+    let mut fewer = segment.clone();
+    fewer.words.pop();
+    wrong(&fewer);
+    refused(&[segment.bytes(), vec![0]].concat(), EXTENT, SampleType::U8, Malformed::Segment);
+}
+
+#[test]
+fn extra_bits() {
+    let (segment, _) = sound();
+    let mut more = segment.clone();
+    more.extra.push(0);
+    wrong(&more);
+    let mut fewer = segment.clone();
+    fewer.extra.pop();
+    wrong(&fewer);
+    let mut beyond = segment;
+    *beyond.extra.last_mut().expect("there are some") |= 0x80;
+    wrong(&beyond);
+}
+
+#[test]
+fn samples_outside_the_type() {
+    let (segment, _) = sound();
+    for (lowest, sample_type) in [(56, SampleType::U8), (-1, SampleType::U8), (-129, SampleType::I8)] {
+        let segment = Segment { lowest, ..segment.clone() };
+        refused(&segment.bytes(), EXTENT, sample_type, Malformed::Sample);
+    }
+    refused(&constant(256, 0), EXTENT, SampleType::U8, Malformed::Sample);
+    // What is wrong of the segment comes first.
+    let mut both = Segment { lowest: -1, ..segment };
+    both.words.push(0);
+    wrong(&both);
+}
+
+/// Of no row of the text, so they are read: samples beyond the span, and a lowest that none is.
+#[test]
+fn samples_outside_the_span() {
+    for bounds in [[0, 1], [-40, 100], [100, 3]] {
+        let model = fit(&samples(), EXTENT, bounds, weights(EXTENT));
+        let segment = tabled::encode(&samples(), EXTENT, bounds, &model);
+        assert_eq!(both(&segment.bytes(), EXTENT, SampleType::U8), Ok(samples()), "{bounds:?}");
+    }
+}
+
+/// A class that has none is asked for others than token 0.
+#[test]
+fn tokens_of_an_empty_class() {
+    let (segment, mut model) = sound();
+    for class in 0..CLASSES {
+        if model.tables[class].len() > 1 {
+            let used = std::mem::take(&mut model.tables[class]);
+            wrong(&Segment { model: model.write().bytes, ..segment.clone() });
+            model.tables[class] = used;
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! `cargo xtask device`: firmware in QEMU, compared with the host, and measured against its budgets.
+
+use std::collections::BTreeMap;
+
+use crate::budget::{self, Run, WORKSPACE};
+use crate::shell::{Failures, cargo, cargo_with, output};
+
+/// What a run says of the brick that is measured.
+pub(crate) struct Measures {
+    /// Instructions per sample.
+    pub(crate) encode: u64,
+    pub(crate) decode: u64,
+    /// Bytes.
+    pub(crate) state: u64,
+    pub(crate) scratch: u64,
+    pub(crate) encode_stack: u64,
+    pub(crate) decode_stack: u64,
+    /// Golden vectors that came out as they should.
+    vectors: u64,
+}
+
+/// Builds and runs firmware for every board.
+pub(crate) fn run() -> Failures {
+    let runs = match budget::read() {
+        Ok(budgets) => budgets.runs,
+        Err(error) => return vec![error],
+    };
+    let mut failures = vec![];
+    for run in &runs {
+        match measure(run) {
+            Ok(measures) => failures.extend(compare(run, &measures)),
+            Err(error) => failures.push(error),
+        }
+    }
+    failures
+}
+
+/// Runs firmware, which fails unless host and firmware agree.
+pub(crate) fn measure(run: &Run) -> Result<Measures, String> {
+    let Run { board, target, features, build, .. } = run;
+    let features = features.join(",");
+    let arguments = ["build", "--quiet", "--manifest-path", WORKSPACE, "--package", "firmware"];
+    let selection = ["--target", target, "--profile", build, "--features", &features];
+    let mut failures = cargo_with(&[&arguments[..], &selection].concat(), &[("DEFMT_LOG", "info")]);
+    let runner = ["build", "--quiet", "--manifest-path", WORKSPACE, "--package", "runner"];
+    failures.extend(cargo(&runner));
+    if let Some(failure) = failures.pop() {
+        return Err(failure);
+    }
+    let folder = "tests/device/target";
+    let firmware = format!("{folder}/{target}/{build}/firmware");
+    eprintln!("$ runner {board} {firmware}");
+    let log = output(&format!("{folder}/debug/runner"), &[board, &firmware])?;
+    print!("{log}");
+    read(run, &log)
+}
+
+fn compare(run: &Run, measures: &Measures) -> Failures {
+    let of = |what: &str| format!("{} ({}), {what}", run.board, run.profile);
+    let mut failures = Failures::new();
+    if measures.vectors != run.vectors {
+        failures.push(format!("{}: {}, not {}", of("golden vectors"), measures.vectors, run.vectors));
+    }
+    failures.extend(run.encode.check(&of("instructions per sample encoded"), measures.encode));
+    failures.extend(run.decode.check(&of("instructions per sample decoded"), measures.decode));
+    failures.extend(run.memory.check(&of("bytes of state, scratch and stack"), measures.memory()));
+    failures
+}
+
+impl Measures {
+    /// Bytes of all but the brick and its codestream.
+    pub(crate) fn memory(&self) -> u64 {
+        self.state + self.scratch + self.encode_stack.max(self.decode_stack)
+    }
+}
+
+/// Takes the measures out of a log.
+fn read(run: &Run, log: &str) -> Result<Measures, String> {
+    let (wavelet, levels, trained) = &run.brick;
+    let is_measured = |brick: &&BTreeMap<&str, &str>| {
+        let (levels, trained) = (levels.to_string(), u64::from(*trained).to_string());
+        let keys = [("wavelet", wavelet), ("levels", &levels), ("trained", &trained)];
+        keys.into_iter().all(|(key, value)| brick.get(key) == Some(&value.as_str()))
+    };
+    let (state, vectors, bricks) = (records(log, "state"), records(log, "vectors"), records(log, "brick"));
+    let brick = bricks.iter().find(is_measured).ok_or_else(|| format!("no brick of {:?}", run.brick))?;
+    let number = |record: Option<&BTreeMap<&str, &str>>, key: &str| {
+        let value: Option<u64> = record.and_then(|record| record.get(key)?.parse().ok());
+        value.ok_or_else(|| format!("{}: the log does not say {key}", run.board))
+    };
+    let side = number(Some(brick), "side")?;
+    let per_sample = |key: &str| Ok::<u64, String>(number(Some(brick), key)?.div_ceil(side.pow(3)));
+    Ok(Measures {
+        encode: per_sample("encode")?,
+        decode: per_sample("decode")?,
+        state: number(state.first(), "codec")?,
+        scratch: number(Some(brick), "scratch")?,
+        encode_stack: number(Some(brick), "encode_stack")?,
+        decode_stack: number(Some(brick), "decode_stack")?,
+        vectors: number(vectors.first(), "passed")?,
+    })
+}
+
+/// The `key=value` pairs of every line that begins with `word`.
+fn records<'a>(log: &'a str, word: &str) -> Vec<BTreeMap<&'a str, &'a str>> {
+    let lines = log.lines().filter_map(|line| line.strip_prefix(word)?.strip_prefix(' '));
+    lines.map(|rest| rest.split(' ').filter_map(|pair| pair.split_once('=')).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::budget::Limit;
+
+    const LOG: &str = "vectors passed=7 failed=0\nstate codec=100 training=9\nbrick at [0, 0, 0]\n\
+        brick side=2 wavelet=haar levels=1 trained=0 scratch=40 encode=81 encode_stack=9 decode=64 decode_stack=12\n\
+        passed\n";
+
+    fn one() -> Run {
+        Run {
+            profile: "p".to_owned(),
+            board: "b".to_owned(),
+            target: "t".to_owned(),
+            features: vec![],
+            build: "release".to_owned(),
+            vectors: 7,
+            brick: ("haar".to_owned(), 1, false),
+            encode: Limit::Most(11),
+            decode: Limit::Most(8),
+            memory: Limit::Most(152),
+        }
+    }
+
+    #[test]
+    fn a_log_is_read_and_compared() {
+        let measures = read(&one(), LOG).unwrap();
+        assert_eq!((measures.encode, measures.decode, measures.memory()), (11, 8, 152));
+        assert_eq!(compare(&one(), &measures), [""; 0]);
+        let strict = Run { vectors: 8, encode: Limit::Most(10), ..one() };
+        assert_eq!(compare(&strict, &measures).len(), 2);
+        assert!(read(&Run { brick: ("haar".to_owned(), 2, false), ..one() }, LOG).is_err());
+    }
+}
