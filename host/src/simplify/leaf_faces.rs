@@ -11,7 +11,7 @@ use crate::mesh::{Faces, Point, PolygonMesh};
 
 /// A base mesh of simplified topology: the boundary between solid and void of an octree of a signed distance (negative inside).
 ///
-/// Faces have four to eight sides and vertices three to six edges; the mesh is an oriented manifold, whose boundary lies on
+/// Faces have four to eight sides, rarely nine, and nearly all vertices three to six edges; the mesh is an oriented manifold, whose boundary lies on
 /// the border of the grid. Leaves that touch only in an edge or a vertex are not joined: that edge or vertex is there
 /// twice, in the same place; where both ends of such an edge are joined elsewhere, it has a
 /// vertex of two edges in its middle.
