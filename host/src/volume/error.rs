@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use super::FileFormat;
 use super::npy::NpyError;
 use super::nrrd::NrrdError;
 
@@ -107,6 +108,36 @@ pub enum ReadError {
         /// Bytes according to extent and type.
         bytes: u64,
     },
+    /// More samples were asked for than there are: a fault of the caller.
+    #[error("{}: the samples end before those that are asked for", path.display())]
+    BeyondEnd {
+        /// File in question.
+        path: PathBuf,
+    },
+    /// Several time steps or components where one volume of single values is needed.
+    #[error(
+        "{}: has {steps} time steps of samples with {components} components, where one volume of single values is \
+         needed: `wavelift compress` and `wavelift convert` take all of them",
+        path.display()
+    )]
+    NotScalar {
+        /// File in question.
+        path: PathBuf,
+        /// Values of a sample.
+        components: u32,
+        /// Time steps.
+        steps: u64,
+    },
+    /// A file that is not what its format wants, or beyond what is read of it.
+    #[error("{}: no {} file that can be read: {cause}", path.display(), format.name())]
+    Format {
+        /// File in question.
+        path: PathBuf,
+        /// What it was taken for.
+        format: FileFormat,
+        /// What is wrong with it, and what to do.
+        cause: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// A header that is no NRRD header of a volume.
     #[error("{}: {cause}", path.display())]
     Nrrd {
@@ -130,10 +161,13 @@ impl ReadError {
     pub const fn kind(&self) -> Fault {
         match self {
             Self::Io { .. } | Self::TooLarge { .. } => Fault::Io,
-            Self::NoLayout { .. } | Self::LayoutMismatch { .. } => Fault::Usage,
-            Self::SampleBytes { .. } | Self::Gzip { .. } | Self::Nrrd { .. } | Self::Npy { .. } => {
-                Fault::Data
-            }
+            Self::NoLayout { .. } | Self::LayoutMismatch { .. } | Self::NotScalar { .. } => Fault::Usage,
+            Self::SampleBytes { .. }
+            | Self::Gzip { .. }
+            | Self::BeyondEnd { .. }
+            | Self::Format { .. }
+            | Self::Nrrd { .. }
+            | Self::Npy { .. } => Fault::Data,
         }
     }
 }
@@ -166,6 +200,16 @@ pub enum WriteError {
         /// File in question.
         path: PathBuf,
     },
+    /// A data set that the format cannot hold.
+    #[error("{}: {} files cannot hold {what}", path.display(), format.name())]
+    CannotHold {
+        /// File in question.
+        path: PathBuf,
+        /// Its format.
+        format: FileFormat,
+        /// What they cannot hold, and what can.
+        what: String,
+    },
     /// A detached header would replace a data file that does not belong to it.
     #[error(
         "{}: its samples would replace {}, which is there already: move that file or choose another name",
@@ -186,7 +230,7 @@ impl WriteError {
         match self {
             Self::Io { .. } => Fault::Io,
             Self::SampleBytes { .. } => Fault::Data,
-            Self::NoGzip { .. } | Self::DataFileExists { .. } => Fault::Usage,
+            Self::NoGzip { .. } | Self::CannotHold { .. } | Self::DataFileExists { .. } => Fault::Usage,
         }
     }
 }

@@ -1,19 +1,23 @@
-//! Reading of samples with a watch on how many there are.
+//! Files, pipes and devices that are read, with a watch on how many bytes are left.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use super::{Found, ReadError};
+use super::ReadError;
+use super::spool::Spool;
 
-/// Most bytes that one byte of deflate data can stand for: two bits at least give 258 bytes at most (RFC 1951).
-const DEFLATE_EXPANSION: u64 = 4 * 258;
+trait ReadSeek: Read + Seek + Send {}
 
-/// A file being read, which knows how many of its bytes are left.
+impl<T: Read + Seek + Send> ReadSeek for T {}
+
+/// A file being read, which knows where it is and how many of its bytes are left.
 pub(super) struct Input {
-    reader: Box<dyn BufRead>,
+    reader: BufReader<Box<dyn ReadSeek>>,
     path: PathBuf,
-    left: Option<u64>,
+    position: u64,
+    /// Bytes of the file, unless it is a pipe or a device.
+    bytes: Option<u64>,
 }
 
 impl Input {
@@ -25,8 +29,12 @@ impl Input {
             if metadata.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
-            let left = metadata.is_file().then_some(metadata.len());
-            Ok(Self { reader: Box::new(BufReader::new(file)), path: path.to_owned(), left })
+            let bytes = metadata.is_file().then_some(metadata.len());
+            let reader: Box<dyn ReadSeek> = match bytes {
+                Some(_) => Box::new(file),
+                None => Box::new(Spool::new(file)?),
+            };
+            Ok(Self { reader: BufReader::new(reader), path: path.to_owned(), position: 0, bytes })
         };
         open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
     }
@@ -34,8 +42,9 @@ impl Input {
     /// Reads from memory as from a regular file.
     #[cfg(test)]
     pub(super) fn from_bytes(bytes: &[u8]) -> Self {
-        let left = Some(bytes.len() as u64);
-        Self { reader: Box::new(io::Cursor::new(bytes.to_vec())), path: "memory".into(), left }
+        let reader: Box<dyn ReadSeek> = Box::new(io::Cursor::new(bytes.to_vec()));
+        let bytes = Some(bytes.len() as u64);
+        Self { reader: BufReader::new(reader), path: "memory".into(), position: 0, bytes }
     }
 
     /// Path given to [`open`](Self::open).
@@ -45,7 +54,24 @@ impl Input {
 
     /// Bytes not yet read, unless this is a FIFO or a device.
     pub(super) fn left(&self) -> Option<u64> {
-        self.left
+        self.bytes.map(|bytes| bytes.saturating_sub(self.position))
+    }
+
+    /// Bytes before the next one.
+    pub(super) const fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Goes to a byte of the file; in a pipe too, of which there is a copy.
+    pub(super) fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        let by = i64::try_from(position).ok().zip(i64::try_from(self.position).ok()).map(|(to, at)| to - at);
+        let moved = match by {
+            Some(by) => self.reader.seek_relative(by),
+            None => Err(io::ErrorKind::InvalidInput.into()),
+        };
+        moved.map_err(|cause| self.io(cause))?;
+        self.position = position;
+        Ok(())
     }
 
     /// Whether the bytes to come begin with `magic`; none is consumed.
@@ -54,59 +80,6 @@ impl Input {
             Ok(bytes) => Ok(bytes.starts_with(magic)),
             Err(cause) => Err(self.io(cause)),
         }
-    }
-
-    /// Reads all that is left: exactly `expected` bytes.
-    ///
-    /// Memory is taken in one piece if the file has these bytes, else as they arrive; at most `expected` + 1 are read.
-    ///
-    /// # Errors
-    ///
-    /// [`ReadError::SampleBytes`] if there are fewer or more, [`ReadError::TooLarge`] if memory does not hold them.
-    pub(super) fn samples(&mut self, expected: u64) -> Result<Vec<u8>, ReadError> {
-        if let Some(left) = self.left
-            && left != expected
-        {
-            return Err(self.sample_bytes(expected, Found::Exactly(left)));
-        }
-        let mut samples = Vec::new();
-        if self.left.is_some() {
-            let bytes = usize::try_from(expected).map_err(|_| self.too_large(expected))?;
-            samples.try_reserve_exact(bytes).map_err(|_| self.too_large(expected))?;
-        }
-        read_at_most(&mut *self, expected.saturating_add(1), &mut samples).map_err(|cause| self.io(cause))?;
-        self.check_count(samples, expected)
-    }
-
-    /// Decompresses all that is left, passes over `skip` bytes of that, and returns the `expected` ones that follow.
-    ///
-    /// Memory is taken as the bytes arrive, and at most `expected` + 1 are kept, whatever the file expands to;
-    /// where the file is too short to expand to that many, nothing is read.
-    ///
-    /// # Errors
-    ///
-    /// As [`samples`](Self::samples), and [`ReadError::Gzip`].
-    pub(super) fn gzip_samples(&mut self, skip: u64, expected: u64) -> Result<Vec<u8>, ReadError> {
-        usize::try_from(expected).map_err(|_| self.too_large(expected))?;
-        let most = self.left.map_or(u64::MAX, |left| left.saturating_mul(DEFLATE_EXPANSION));
-        if expected > most {
-            return Err(self.sample_bytes(expected, Found::AtMost(most)));
-        }
-        let mut samples = Vec::new();
-        let mut decoder = flate2::bufread::MultiGzDecoder::new(&mut *self);
-        let done = skip_bytes(&mut decoder, skip)
-            .and_then(|_| read_at_most(&mut decoder, expected.saturating_add(1), &mut samples));
-        done.map_err(|cause| match cause.raw_os_error() {
-            Some(_) => self.io(cause),
-            None => ReadError::Gzip { path: self.path.clone(), cause },
-        })?;
-        self.check_count(samples, expected)
-    }
-
-    /// Passes over bytes; fewer if the file ends before.
-    pub(super) fn skip_bytes(&mut self, count: u64) -> Result<(), ReadError> {
-        skip_bytes(&mut *self, count).map_err(|cause| self.io(cause))?;
-        Ok(())
     }
 
     /// Passes over lines, each up to its newline; fewer if the file ends before.
@@ -123,29 +96,12 @@ impl Input {
     pub(super) fn io(&self, cause: io::Error) -> ReadError {
         ReadError::Io { path: self.path.clone(), cause }
     }
-
-    fn check_count(&self, samples: Vec<u8>, expected: u64) -> Result<Vec<u8>, ReadError> {
-        let found = samples.len() as u64;
-        match found {
-            _ if found == expected => Ok(samples),
-            _ if found > expected => Err(self.sample_bytes(expected, Found::MoreThan(expected))),
-            _ => Err(self.sample_bytes(expected, Found::Exactly(found))),
-        }
-    }
-
-    fn sample_bytes(&self, expected: u64, found: Found) -> ReadError {
-        ReadError::SampleBytes { path: self.path.clone(), expected, found }
-    }
-
-    fn too_large(&self, bytes: u64) -> ReadError {
-        ReadError::TooLarge { path: self.path.clone(), bytes }
-    }
 }
 
 impl Read for Input {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.reader.read(out)?;
-        self.left = self.left.map(|left| left.saturating_sub(count as u64));
+        self.position += count as u64;
         Ok(count)
     }
 }
@@ -157,14 +113,6 @@ impl BufRead for Input {
 
     fn consume(&mut self, count: usize) {
         self.reader.consume(count);
-        self.left = self.left.map(|left| left.saturating_sub(count as u64));
+        self.position += count as u64;
     }
-}
-
-fn read_at_most(reader: impl Read, limit: u64, out: &mut Vec<u8>) -> io::Result<usize> {
-    reader.take(limit).read_to_end(out)
-}
-
-fn skip_bytes(reader: impl Read, count: u64) -> io::Result<u64> {
-    io::copy(&mut reader.take(count), &mut io::sink())
 }

@@ -1,10 +1,8 @@
 //! What a file says about its samples beside their extent and type.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
-use super::ByteOrder;
+use super::{ByteOrder, FileFormat};
 
 /// All that a file says about a volume beside extent and type, kept so that it can be written again.
 ///
@@ -15,54 +13,20 @@ pub struct Metadata {
     /// Number of axes in the file, 1 to 3: a slice comes back as a slice.
     pub rank: u8,
     /// How the samples lay in the file.
-    pub source: Source,
+    pub source: Origin,
     /// Lines of the header in their order, without those that extent, type and encoding determine.
     pub lines: Vec<HeaderLine>,
 }
 
 /// How samples lay in the file they came from, so that by default they are written the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Source {
+pub struct Origin {
     /// Format of the file.
     pub format: FileFormat,
     /// Order of the bytes of a sample. Little for samples of one byte.
     pub byte_order: ByteOrder,
     /// Whether the file named its axes x first and said so (NumPy's `fortran_order`).
     pub fortran_order: bool,
-}
-
-/// File formats of volumes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FileFormat {
-    /// Samples only.
-    Raw,
-    /// NRRD, header attached or detached.
-    Nrrd,
-    /// NumPy's array file.
-    Npy,
-}
-
-impl FileFormat {
-    /// Format that a file of this name is written in: by its extension in any case, raw for every unknown one.
-    pub fn of_path(path: &Path) -> Self {
-        let is = |wanted| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted));
-        if is("nrrd") || is("nhdr") {
-            Self::Nrrd
-        } else if is("npy") {
-            Self::Npy
-        } else {
-            Self::Raw
-        }
-    }
-
-    /// Name in messages: `raw`, `NRRD`, `.npy`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Raw => "raw",
-            Self::Nrrd => "NRRD",
-            Self::Npy => ".npy",
-        }
-    }
 }
 
 /// One line of an NRRD header.
@@ -89,8 +53,14 @@ pub enum HeaderLine {
 impl Metadata {
     /// Metadata of a file that says nothing: little-endian, no lines.
     pub const fn plain(rank: u8, format: FileFormat) -> Self {
-        let source = Source { format, byte_order: ByteOrder::Little, fortran_order: false };
+        let source = Origin { format, byte_order: ByteOrder::Little, fortran_order: false };
         Self { rank, source, lines: Vec::new() }
+    }
+
+    /// Number of axes, 1 to 3, of a volume of `extent`: those of the source, and more if z or y need them.
+    pub(super) fn rank_of(&self, extent: [u64; 3]) -> usize {
+        let needed = extent.iter().rposition(|&axis| axis > 1).map_or(1, |axis| axis + 1);
+        needed.max(self.rank.into()).min(3)
     }
 
     /// Value of a field, by a name in any case, with or without its spaces: `space origin` is `SpaceOrigin`.

@@ -5,28 +5,32 @@
 mod element;
 mod error;
 mod extent;
+mod format;
+mod header;
 mod input;
 mod metadata;
 mod npy;
 mod nrrd;
 mod raw;
+mod spool;
+mod stored;
+mod stream;
 pub mod synthetic;
 
-use std::io::Write;
 use std::path::Path;
 
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
-use input::Input;
-pub use metadata::{FileFormat, HeaderLine, Metadata, Source};
+pub use format::FileFormat;
+pub use header::Header;
+pub use metadata::{HeaderLine, Metadata, Origin};
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
 pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
-
-use crate::atomic::AtomicFile;
+pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,8 +48,12 @@ pub struct Volume {
 impl Volume {
     /// Number of axes that a file of this volume has, 1 to 3: those of the source, and more if z or y need them.
     pub fn rank(&self) -> usize {
-        let needed = self.extent.iter().rposition(|&axis| axis > 1).map_or(1, |axis| axis + 1);
-        needed.max(self.metadata.rank.into()).min(3)
+        self.metadata.rank_of(self.extent)
+    }
+
+    /// All but the samples.
+    pub fn header(&self) -> Header {
+        Header::scalar(self.extent, self.element, self.metadata.clone())
     }
 
     /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,
@@ -87,11 +95,7 @@ pub struct WriteOptions {
 /// Cost: one pass over the file; the samples are in memory once (twice at most while they come out of gzip or
 /// a FIFO), and are reversed in place if they are big-endian.
 pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
-    let input = Input::open(path)?;
-    match layout {
-        Some(layout) => raw::read(input, layout),
-        None => read_by_format(input, None),
-    }
+    read_all(path, open(path, layout)?)
 }
 
 /// Reads a volume whose layout is known from elsewhere: as [`read`] without a layout, but where the file is raw, it
@@ -103,27 +107,40 @@ pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError
 ///
 /// Cost: as [`read`].
 pub fn read_known(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
-    read_by_format(Input::open(path)?, Some(layout))
+    read_all(path, open_known(path, layout)?)
 }
 
-fn read_by_format(mut input: Input, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
-    match FileFormat::of_path(input.path()) {
-        FileFormat::Nrrd => nrrd::read(input),
-        FileFormat::Npy => npy::read(input),
-        FileFormat::Raw if input.starts_with(nrrd::MAGIC)? => nrrd::read(input),
-        FileFormat::Raw if input.starts_with(npy::MAGIC)? => npy::read(input),
-        FileFormat::Raw => match layout {
-            Some(layout) => raw::read(input, layout),
-            None => Err(ReadError::NoLayout { path: input.path().to_owned() }),
-        },
+/// Bytes that are read, and for which memory is taken, at a time.
+const PIECE_BYTES: u64 = 1 << 22;
+
+/// Reads all samples of one volume of single values.
+fn read_all(path: &Path, mut source: Box<dyn Source>) -> Result<Volume, ReadError> {
+    let Header { extent, components, steps, element, metadata } = source.header().clone();
+    if !source.header().is_scalar() {
+        return Err(ReadError::NotScalar { path: path.to_owned(), components, steps });
     }
+    let bytes = source.header().bytes().unwrap_or(u64::MAX);
+    let too_large = || ReadError::TooLarge { path: path.to_owned(), bytes };
+    let mut samples = Vec::new();
+    if source.is_random() {
+        samples
+            .try_reserve_exact(usize::try_from(bytes).map_err(|_| too_large())?)
+            .map_err(|_| too_large())?;
+    }
+    while (samples.len() as u64) < bytes {
+        let (start, piece) = (samples.len(), PIECE_BYTES.min(bytes - samples.len() as u64) as usize);
+        samples.try_reserve(piece).map_err(|_| too_large())?;
+        samples.resize(start + piece, 0);
+        source.read(&mut samples[start..])?;
+    }
+    Ok(Volume { extent, element, samples, metadata })
 }
 
 /// Writes a volume in the format of the path's extension: `.nrrd`, `.nhdr` (samples beside it in `.raw` or
 /// `.raw.gz`), `.npy`, and raw for any other. Returns what of the metadata that format has no place for: fields by
 /// name, `2 comments`, `17 key/value pairs`; for NRRD the single lines that no header can hold.
 ///
-/// The file appears whole or not at all, and an old one stays until then; see [`AtomicFile`].
+/// The file appears whole or not at all, and an old one stays until then; see [`AtomicFile`](crate::atomic::AtomicFile).
 ///
 /// # Errors
 ///
@@ -136,24 +153,10 @@ pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Vec
     if found != expected {
         return Err(WriteError::SampleBytes { path: path.to_owned(), expected, found });
     }
-    let order = options.byte_order.unwrap_or(volume.metadata.source.byte_order);
-    let format = FileFormat::of_path(path);
-    if format == FileFormat::Nrrd {
-        return nrrd::write(volume, path, order, options.gzip);
-    }
-    if options.gzip {
-        return Err(WriteError::NoGzip { path: path.to_owned() });
-    }
-    let write = || {
-        let mut file = AtomicFile::create(path)?;
-        if format == FileFormat::Npy {
-            file.write_all(&npy::header(volume, order))?;
-        }
-        element::write_samples(&mut file, &volume.samples, volume.element, order)?;
-        file.commit()
-    };
-    write().map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
-    Ok(losses(&volume.metadata))
+    let Created { mut sink, losses } = create(path, &volume.header(), options)?;
+    sink.write(&volume.samples)?;
+    sink.finish()?;
+    Ok(losses)
 }
 
 /// What a format that holds no lines loses: each field by name, comments and pairs by number.

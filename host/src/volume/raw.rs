@@ -1,8 +1,15 @@
 //! Raw files: samples only, in a layout that the user knows.
 
-use super::element::reorder;
+use std::path::Path;
+
+use super::format::Format;
 use super::input::Input;
-use super::{ByteOrder, ElementType, FileFormat, Found, Metadata, RankedExtent, ReadError, Volume};
+use super::stored::{Encoding, Place, Stored, StoredSink};
+use super::{
+    ByteOrder, Created, ElementType, FileFormat, Found, Header, Metadata, RankedExtent, ReadError, Source,
+    WriteError, WriteOptions, losses,
+};
+use crate::atomic::AtomicFile;
 
 /// Layout of a raw file, from the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,14 +22,68 @@ pub struct RawLayout {
     pub byte_order: ByteOrder,
 }
 
-pub(super) fn read(mut input: Input, layout: &RawLayout) -> Result<Volume, ReadError> {
+/// Samples only, and what has no name that says otherwise.
+pub(super) struct Raw;
+
+impl Format for Raw {
+    fn format(&self) -> FileFormat {
+        FileFormat::Raw
+    }
+
+    fn has_name(&self, _: &Path) -> bool {
+        true
+    }
+
+    fn magic(&self) -> Option<&'static [u8]> {
+        None
+    }
+
+    fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
+        Err(ReadError::NoLayout { path: input.path().to_owned() })
+    }
+
+    fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
+        let file =
+            AtomicFile::create(path).map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
+        let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
+        let sink = StoredSink::new(file, path, header, Encoding::Raw, order);
+        Ok(Created { sink: Box::new(sink), losses: losses(&header.metadata) })
+    }
+}
+
+/// Opens a file of that layout.
+pub(super) fn open(input: Input, layout: &RawLayout) -> Result<Box<dyn Source>, ReadError> {
     let RawLayout { extent, element, byte_order } = *layout;
-    let bytes = extent.samples() * element.bytes() as u64;
-    let mut samples = input.samples(bytes).map_err(|error| name_layout(error, layout))?;
-    reorder(&mut samples, element, byte_order);
     let mut metadata = Metadata::plain(extent.rank(), FileFormat::Raw);
     metadata.source.byte_order = byte_order;
-    Ok(Volume { extent: extent.axes(), element, samples, metadata })
+    let header = Header::scalar(extent.axes(), element, metadata);
+    let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: false };
+    let stored = Stored::new(input, header, place).map_err(|error| name_layout(error, layout))?;
+    Ok(Box::new(RawSource { stored, layout: *layout }))
+}
+
+/// A raw file, whose errors speak of the layout that was given.
+struct RawSource {
+    stored: Stored,
+    layout: RawLayout,
+}
+
+impl Source for RawSource {
+    fn header(&self) -> &Header {
+        self.stored.header()
+    }
+
+    fn read(&mut self, out: &mut [u8]) -> Result<(), ReadError> {
+        self.stored.read(out).map_err(|error| name_layout(error, &self.layout))
+    }
+
+    fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        self.stored.seek(position)
+    }
+
+    fn is_random(&self) -> bool {
+        self.stored.is_random()
+    }
 }
 
 /// A wrong length is a fault of the layout here, since the file says nothing that could be wrong.

@@ -71,8 +71,11 @@ fn files_are_known_by_name_then_by_their_first_bytes() {
     let whole = format!("{}", nrrd.len());
     let as_raw = read(&path, Some(&layout(&whole, ElementType::U8, ByteOrder::Little))).unwrap();
     assert_eq!(as_raw.samples, nrrd);
-    let npy = [npy::header(&as_raw, ByteOrder::Little), as_raw.samples].concat();
-    let (_folder, path) = file("volume.dat", &npy);
+    let (folder, path) = file("volume.npy", b"");
+    write(&as_raw, &path, &WriteOptions::default()).unwrap();
+    let path_without_name = folder.path().join("volume.dat");
+    fs::rename(&path, &path_without_name).unwrap();
+    let path = path_without_name;
     assert_eq!(read(&path, None).unwrap().metadata.source.format, FileFormat::Npy);
     let (_folder, path) = file("volume.raw", b"ab");
     let error = read(&path, None).unwrap_err();

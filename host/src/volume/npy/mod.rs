@@ -5,16 +5,20 @@
 
 mod literal;
 
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
+use std::path::Path;
 
 use literal::Entries;
 
-use super::element::reorder;
 use super::error::excerpt;
+use super::format::{Format, has_extension};
 use super::input::Input;
+use super::stored::{Encoding, Place, Stored, StoredSink};
 use super::{
-    ByteOrder, ElementType, ExtentError, FileFormat, Metadata, RankedExtent, ReadError, Source, Volume,
+    ByteOrder, Created, ElementType, ExtentError, FileFormat, Header, Metadata, Origin, RankedExtent,
+    ReadError, Source, WriteError, WriteOptions, losses,
 };
+use crate::atomic::AtomicFile;
 
 /// First bytes of every file.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -80,7 +84,44 @@ pub enum NpyError {
     Extent(ExtentError),
 }
 
-pub(super) fn read(mut input: Input) -> Result<Volume, ReadError> {
+/// NumPy's array file.
+pub(super) struct Npy;
+
+impl Format for Npy {
+    fn format(&self) -> FileFormat {
+        FileFormat::Npy
+    }
+
+    fn has_name(&self, path: &Path) -> bool {
+        has_extension(path, &["npy"])
+    }
+
+    fn magic(&self) -> Option<&'static [u8]> {
+        Some(MAGIC)
+    }
+
+    fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
+        Ok(Box::new(open(input)?))
+    }
+
+    fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
+        if !header.is_scalar() {
+            let what = "several components or time steps: write .nrrd".to_owned();
+            return Err(WriteError::CannotHold { path: path.to_owned(), format: self.format(), what });
+        }
+        let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
+        let create = || {
+            let mut file = AtomicFile::create(path)?;
+            file.write_all(&header_bytes(header, order))?;
+            Ok(file)
+        };
+        let file = create().map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
+        let sink = StoredSink::new(file, path, header, Encoding::Raw, order);
+        Ok(Created { sink: Box::new(sink), losses: losses(&header.metadata) })
+    }
+}
+
+fn open(mut input: Input) -> Result<Stored, ReadError> {
     let text = read_literal(&mut input)?;
     let fault = |cause| ReadError::Npy { path: input.path().to_owned(), cause };
     let entries = Entries::parse(&text).map_err(fault)?;
@@ -90,11 +131,10 @@ pub(super) fn read(mut input: Input) -> Result<Volume, ReadError> {
         axes.reverse();
     }
     let extent = RankedExtent::new(&axes).map_err(|cause| fault(NpyError::Extent(cause)))?;
-    let mut samples = input.samples(extent.samples() * element.bytes() as u64)?;
-    reorder(&mut samples, element, byte_order);
-    let source = Source { format: FileFormat::Npy, byte_order, fortran_order: entries.fortran_order };
-    let metadata = Metadata { rank: extent.rank(), source, lines: Vec::new() };
-    Ok(Volume { extent: extent.axes(), element, samples, metadata })
+    let origin = Origin { format: FileFormat::Npy, byte_order, fortran_order: entries.fortran_order };
+    let metadata = Metadata { rank: extent.rank(), source: origin, lines: Vec::new() };
+    let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: false };
+    Stored::new(input, Header::scalar(extent.axes(), element, metadata), place)
 }
 
 /// Reads the bytes before the samples and returns the literal; bytes that are not UTF-8 stand as U+FFFD in it.
@@ -180,20 +220,20 @@ fn meaning_of(kind: &str) -> &'static str {
 /// Header of version 1.0 for a volume whose samples follow in `order`.
 ///
 /// Its length, with all bytes before it, is a multiple of 64. The shape names the axes as the source did.
-pub(super) fn header(volume: &Volume, order: ByteOrder) -> Vec<u8> {
+fn header_bytes(header: &Header, order: ByteOrder) -> Vec<u8> {
     let sign = match order {
-        _ if volume.element.bytes() == 1 => '|',
+        _ if header.element.bytes() == 1 => '|',
         ByteOrder::Little => '<',
         ByteOrder::Big => '>',
     };
-    let fortran_order = volume.metadata.source.fortran_order;
-    let mut axes: Vec<String> = volume.extent[..volume.rank()].iter().map(u64::to_string).collect();
+    let fortran_order = header.metadata.source.fortran_order;
+    let mut axes: Vec<String> = header.extent[..header.rank()].iter().map(u64::to_string).collect();
     if !fortran_order {
         axes.reverse();
     }
     let shape = axes.join(", ") + if axes.len() == 1 { "," } else { "" };
     let truth = if fortran_order { "True" } else { "False" };
-    let kind = kind_of(volume.element);
+    let kind = kind_of(header.element);
     let literal = format!("{{'descr': '{sign}{kind}', 'fortran_order': {truth}, 'shape': ({shape}), }}");
 
     let before = MAGIC.len() + 4;

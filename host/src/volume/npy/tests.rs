@@ -1,6 +1,8 @@
+use std::path::Path;
+
 use super::*;
 use crate::volume::synthetic::{Kind, generate};
-use crate::volume::{Found, WriteOptions};
+use crate::volume::{Found, Volume, WriteOptions, read_all};
 
 fn file(version: u8, literal: &str, samples: &[u8]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
@@ -15,7 +17,7 @@ fn file(version: u8, literal: &str, samples: &[u8]) -> Vec<u8> {
 }
 
 fn read_bytes(bytes: &[u8]) -> Result<Volume, ReadError> {
-    read(Input::from_bytes(bytes))
+    read_all(Path::new("memory"), Npy.open_input(Input::from_bytes(bytes))?)
 }
 
 fn fault(bytes: &[u8]) -> NpyError {
@@ -44,7 +46,7 @@ fn all_versions_and_both_orders_of_axes_are_read() {
 #[test]
 fn headers_are_those_of_numpy() {
     let mut volume = generate(Kind::Noise, [5, 1, 1], ElementType::U8, 0);
-    let bytes = header(&volume, ByteOrder::Little);
+    let bytes = header_bytes(&volume.header(), ByteOrder::Little);
     let literal = "{'descr': '|u1', 'fortran_order': False, 'shape': (5,), }";
     assert_eq!(bytes.len(), 128);
     assert_eq!(bytes[..10], *b"\x93NUMPY\x01\x00\x76\x00");
@@ -52,10 +54,10 @@ fn headers_are_those_of_numpy() {
     volume.extent = [5, 1, 7];
     volume.element = ElementType::F64;
     volume.metadata.source.fortran_order = true;
-    let bytes = header(&volume, ByteOrder::Big);
+    let bytes = header_bytes(&volume.header(), ByteOrder::Big);
     assert!(bytes[10..].starts_with(b"{'descr': '>f8', 'fortran_order': True, 'shape': (5, 1, 7), } "));
     volume.extent = [u64::MAX; 3];
-    assert_eq!(header(&volume, ByteOrder::Big).len() % 64, 0);
+    assert_eq!(header_bytes(&volume.header(), ByteOrder::Big).len() % 64, 0);
 }
 
 #[test]
@@ -68,7 +70,7 @@ fn what_is_written_is_read_again() {
             for fortran_order in [false, true] {
                 let mut volume = generate(Kind::Noise, extents.next().unwrap(), element, 1);
                 let byte_order = if element.bytes() == 1 { ByteOrder::Little } else { byte_order };
-                volume.metadata.source = Source { format: FileFormat::Npy, byte_order, fortran_order };
+                volume.metadata.source = Origin { format: FileFormat::Npy, byte_order, fortran_order };
                 assert!(crate::volume::write(&volume, &path, &WriteOptions::default()).unwrap().is_empty());
                 assert_eq!(crate::volume::read(&path, None).unwrap(), volume);
             }

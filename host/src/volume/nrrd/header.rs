@@ -6,6 +6,7 @@ use super::NrrdError;
 use crate::volume::error::excerpt;
 use crate::volume::input::Input;
 use crate::volume::metadata::is_same_name;
+use crate::volume::stored::Encoding;
 use crate::volume::{ByteOrder, ElementType, HeaderLine, RankedExtent, ReadError};
 
 /// Longest header that is read. Headers have some hundred bytes, with a table of key/value pairs some hundred KiB.
@@ -49,13 +50,6 @@ const ANNOTATIONS: [&str; 21] = [
     "old max",
     "sample units",
 ];
-
-/// How samples are turned into the bytes of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
-    Raw,
-    Gzip,
-}
 
 /// Bytes to pass over before the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,9 @@ use std::path::Path;
 
 use super::*;
 use crate::volume::synthetic::{Kind, generate};
-use crate::volume::{ElementType, ExtentError, Fault, Found, WriteOptions, read as read_volume};
+use crate::volume::{
+    ElementType, ExtentError, Fault, Found, Volume, WriteOptions, read as read_volume, read_all,
+};
 
 /// A header after the examples of the format's definition, in unusual spelling.
 const RICH: &str = "NRRD0005\r
@@ -33,7 +35,7 @@ future field: 3\r
 const RICH_SAMPLES: [u8; 12] = [0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6];
 
 fn read_bytes(bytes: &[u8]) -> Result<Volume, ReadError> {
-    read(Input::from_bytes(bytes))
+    read_all(Path::new("memory"), Nrrd.open_input(Input::from_bytes(bytes))?)
 }
 
 fn fault(header: &str) -> NrrdError {
@@ -139,7 +141,7 @@ fn every_type_order_encoding_and_form_comes_back() {
                 assert!(crate::volume::write(&volume, &path, &options).unwrap().is_empty());
                 let byte_order = if element.bytes() == 1 { ByteOrder::Little } else { byte_order };
                 volume.metadata.source =
-                    Source { format: FileFormat::Nrrd, byte_order, fortran_order: false };
+                    Origin { format: FileFormat::Nrrd, byte_order, fortran_order: false };
                 assert_eq!(read_volume(&path, None).unwrap(), volume);
                 let data = folder.path().join(if gzip { "a.raw.gz" } else { "a.raw" });
                 assert_eq!(data.exists(), name != "a.nrrd");

@@ -1,0 +1,84 @@
+//! The formats of files, and how one is known.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::input::Input;
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd};
+
+/// File formats of volumes. New ones go to the end: their places are in compressed files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FileFormat {
+    /// Samples only.
+    Raw,
+    /// NRRD, header attached or detached.
+    Nrrd,
+    /// NumPy's array file.
+    Npy,
+}
+
+impl FileFormat {
+    /// Format that a file of this name is written in: by its extension in any case, raw for every unknown one.
+    pub fn of_path(path: &Path) -> Self {
+        of_path(path).map_or(Self::Raw, Format::format)
+    }
+
+    /// Name in messages: `raw`, `NRRD`, `.npy`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Raw => "raw",
+            Self::Nrrd => "NRRD",
+            Self::Npy => ".npy",
+        }
+    }
+}
+
+/// What is to be known of a format: how to tell it, how to read it, how to write it.
+pub(super) trait Format: Sync {
+    /// Which one it is.
+    fn format(&self) -> FileFormat;
+
+    /// Whether a path is that of such a file, folder or pattern of files.
+    fn has_name(&self, path: &Path) -> bool;
+
+    /// What every file begins with, if there is something.
+    fn magic(&self) -> Option<&'static [u8]>;
+
+    /// Opens a file by its path.
+    fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
+        self.open_input(Input::open(path)?)
+    }
+
+    /// Opens a file that was known by its first bytes, none of which is consumed.
+    fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError>;
+
+    /// Begins a file.
+    fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError>;
+}
+
+/// Every format that has a name or first bytes to be known by.
+const FORMATS: [&dyn Format; 2] = [&nrrd::Nrrd, &npy::Npy];
+
+/// The format of a path.
+pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {
+    FORMATS.into_iter().find(|format| format.has_name(path))
+}
+
+/// The format that the first bytes of a file are those of.
+pub(super) fn of_first_bytes(input: &mut Input) -> Result<Option<&'static dyn Format>, ReadError> {
+    for format in FORMATS {
+        if let Some(magic) = format.magic()
+            && input.starts_with(magic)?
+        {
+            return Ok(Some(format));
+        }
+    }
+    Ok(None)
+}
+
+/// Whether a path ends in one of these extensions, in any case; `gz` and the like may stand behind one as in `nii.gz`.
+pub(super) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    extensions.iter().any(|extension| name.strip_suffix(extension).is_some_and(|stem| stem.ends_with('.')))
+}

@@ -1,0 +1,150 @@
+//! Files of volumes as streams: samples come and go a piece at a time, so that no more than a piece is in memory.
+
+use std::path::Path;
+
+use super::format::Format;
+use super::input::Input;
+use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
+
+/// A file of a data set that is being read.
+///
+/// Values come in the order of [`Header`]: component fastest, then x, y, z, time step; little-endian, whatever the
+/// file has.
+pub trait Source: Send {
+    /// What the file says of its samples.
+    fn header(&self) -> &Header;
+
+    /// Fills `out`, whole values, with those that follow. The call that takes the last one also finds out whether the
+    /// file ends there.
+    ///
+    /// # Errors
+    /// [`ReadError`]: the file is damaged, has too few values or too many, or cannot be read.
+    fn read(&mut self, out: &mut [u8]) -> Result<(), ReadError>;
+
+    /// Goes to the value at byte `position` of all values; 0 begins anew. Every source can go to every place.
+    ///
+    /// # Errors
+    /// [`ReadError`], as for [`Source::read`] of all that lies before.
+    fn seek(&mut self, position: u64) -> Result<(), ReadError>;
+
+    /// Whether going to a place costs little; in compressed samples it means to decompress all that lies before.
+    fn is_random(&self) -> bool;
+}
+
+/// A file of a data set that is being written. It appears whole when it is finished, or not at all.
+pub trait Sink: Send {
+    /// Takes the next values, whole ones, in the order of [`Header`].
+    ///
+    /// # Errors
+    /// [`WriteError`]; nothing has changed at the path then.
+    fn write(&mut self, values: &[u8]) -> Result<(), WriteError>;
+
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// [`WriteError`], also where values are missing; nothing has changed at the path then.
+    fn finish(self: Box<Self>) -> Result<(), WriteError>;
+}
+
+/// A [`Sink`], and what its format has no place for.
+pub struct Created {
+    /// Where values go.
+    pub sink: Box<dyn Sink>,
+    /// What is lost: fields by name, `2 comments`, `17 key/value pairs`.
+    pub losses: Vec<String>,
+}
+
+impl std::fmt::Debug for Created {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Created").field("losses", &self.losses).finish_non_exhaustive()
+    }
+}
+
+/// Opens a data set of any format. With a layout the file is taken as raw, whatever its name.
+///
+/// # Errors
+/// [`ReadError`]: no format that is known, a header that is none, a file of another length than its header says.
+///
+/// Cost: that of reading the header. A pipe is copied to a temporary file as it is read.
+pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
+    match layout {
+        Some(layout) => raw::open(Input::open(path)?, layout),
+        None => open_by_format(path, None),
+    }
+}
+
+/// As [`open`] without a layout, but where the file is raw, it is taken to have that one.
+///
+/// # Errors
+/// As [`open`], but for [`ReadError::NoLayout`].
+pub fn open_known(path: &Path, layout: &RawLayout) -> Result<Box<dyn Source>, ReadError> {
+    open_by_format(path, Some(layout))
+}
+
+fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
+    if let Some(format) = format::of_path(path) {
+        return format.open(path);
+    }
+    let mut input = Input::open(path)?;
+    match (format::of_first_bytes(&mut input)?, layout) {
+        (Some(format), _) => format.open_input(input),
+        (None, Some(layout)) => raw::open(input, layout),
+        (None, None) => Err(ReadError::NoLayout { path: path.to_owned() }),
+    }
+}
+
+/// Begins a file in the format of the path's extension, raw for an unknown one.
+///
+/// # Errors
+/// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
+pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
+    let format: &dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
+    if options.gzip && format.format() != FileFormat::Nrrd {
+        return Err(WriteError::NoGzip { path: path.to_owned() });
+    }
+    format.create(path, header, options)
+}
+
+/// A volume in memory, as a source.
+#[derive(Debug)]
+pub struct InMemory<'a> {
+    header: Header,
+    samples: &'a [u8],
+    at: usize,
+}
+
+impl<'a> InMemory<'a> {
+    /// The samples of a volume, as many as its extent and type say; if not, `None`.
+    pub fn new(volume: &'a Volume) -> Option<Self> {
+        Self::of(volume.header(), &volume.samples)
+    }
+
+    /// Values in the order of [`Header`], as many as it says; if not, `None`.
+    pub fn of(header: Header, samples: &'a [u8]) -> Option<Self> {
+        (header.bytes() == Some(samples.len() as u64)).then_some(Self { header, samples, at: 0 })
+    }
+}
+
+impl Source for InMemory<'_> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&mut self, out: &mut [u8]) -> Result<(), ReadError> {
+        let end = self.at.saturating_add(out.len());
+        let found =
+            self.samples.get(self.at..end).ok_or_else(|| ReadError::BeyondEnd { path: "memory".into() })?;
+        out.copy_from_slice(found);
+        self.at = end;
+        Ok(())
+    }
+
+    fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        self.at = usize::try_from(position).unwrap_or(usize::MAX);
+        Ok(())
+    }
+
+    fn is_random(&self) -> bool {
+        true
+    }
+}
