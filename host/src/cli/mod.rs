@@ -8,6 +8,7 @@ mod decompress;
 mod exit;
 mod info;
 mod input;
+mod interrupt;
 mod output;
 mod progress;
 mod surface;
@@ -31,7 +32,8 @@ struct Program {
 }
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written.
+Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written,
+130 interrupted.
 
 `wavelift COMMAND --help` says more about each, with an example.";
 
@@ -49,6 +51,7 @@ enum Command {
 
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
+    interrupt::watch();
     let outcome = match Program::parse().command {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),
