@@ -11,6 +11,7 @@ mod input;
 mod interrupt;
 mod output;
 mod progress;
+mod repair;
 mod surface;
 mod tables;
 mod transform;
@@ -44,6 +45,7 @@ enum Command {
     Convert(convert::Args),
     Info(info::Args),
     Verify(verify::Args),
+    Repair(repair::Args),
     Tables(tables::Args),
     Transform(transform::Args),
     Surface(surface::Args),
@@ -58,6 +60,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Convert(args) => convert::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Repair(args) => repair::run(&args),
         Command::Tables(args) => tables::run(&args),
         Command::Transform(args) => transform::run(&args),
         Command::Surface(args) => surface::run(&args),

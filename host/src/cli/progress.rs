@@ -26,6 +26,17 @@ impl Bar {
         Self { bar, bytes }
     }
 
+    /// A bar for as many values as there may be.
+    pub(crate) fn spinner(label: &'static str) -> Self {
+        let target = ProgressDrawTarget::stderr_with_hz(8);
+        let style = ProgressStyle::with_template("{msg} {spinner} {human_pos} values, {elapsed}");
+        let bar = ProgressBar::with_draw_target(None, target)
+            .with_style(style.expect("the template is sound"))
+            .with_message(label);
+        bar.enable_steady_tick(Duration::from_millis(500));
+        Self { bar, bytes: 1 }
+    }
+
     /// So many samples more are done.
     pub(crate) fn count(&self, samples: u64) -> ControlFlow<()> {
         self.bar.inc(samples.saturating_mul(self.bytes));
