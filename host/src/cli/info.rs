@@ -57,7 +57,7 @@ fn document(input: &Path, container: &Container) -> Value {
             "format": metadata.source.format.name(),
             "byte_order": metadata.source.byte_order.name(),
             "fortran_order": metadata.source.fortran_order,
-            "rank": metadata.rank,
+            "rank": metadata.rank(),
         },
         "name": metadata.name(),
         "spacing": metadata.spacing(),

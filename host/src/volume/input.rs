@@ -25,10 +25,18 @@ impl Input {
     pub(super) fn open(path: &Path) -> Result<Self, ReadError> {
         let open = || {
             let file = File::open(path)?;
-            let metadata = file.metadata()?;
-            if metadata.is_dir() {
+            if file.metadata()?.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
+            Ok(file)
+        };
+        Self::of_file(open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })?, path)
+    }
+
+    /// Takes an open file from where it stands, which is its beginning; errors will name it `path`.
+    pub(super) fn of_file(file: File, path: &Path) -> Result<Self, ReadError> {
+        let wrap = || {
+            let metadata = file.metadata()?;
             let bytes = metadata.is_file().then_some(metadata.len());
             let reader: Box<dyn ReadSeek> = match bytes {
                 Some(_) => Box::new(file),
@@ -36,7 +44,7 @@ impl Input {
             };
             Ok(Self { reader: BufReader::new(reader), path: path.to_owned(), position: 0, bytes })
         };
-        open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
+        wrap().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
     }
 
     /// Reads from memory as from a regular file.

@@ -2,16 +2,20 @@
 //!
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
+mod axis;
 mod element;
+mod entries;
 mod error;
 mod extent;
 mod format;
+mod geometry;
 mod header;
 mod input;
 mod metadata;
 mod npy;
 mod nrrd;
 mod raw;
+mod rearranged;
 mod spool;
 mod stored;
 mod stream;
@@ -19,11 +23,13 @@ pub mod synthetic;
 
 use std::path::Path;
 
+pub use axis::Axis;
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 pub use format::FileFormat;
+pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
 pub use npy::NpyError;

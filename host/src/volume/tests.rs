@@ -146,11 +146,11 @@ fn rank_is_that_of_the_source_or_what_is_needed() {
     let mut volume = generate(Kind::Constant, [4, 3, 1], ElementType::U8, 1);
     assert_eq!(volume.rank(), 2);
     for (rank, expected) in [(0, 2), (1, 2), (2, 2), (3, 3), (200, 3)] {
-        volume.metadata.rank = rank;
+        volume.metadata = Metadata::plain(rank, FileFormat::Raw);
         assert_eq!(volume.rank(), expected);
     }
     volume.extent = [1, 1, 1];
-    volume.metadata.rank = 0;
+    volume.metadata.axes.clear();
     assert_eq!(volume.rank(), 1);
     assert_eq!(sample_bytes([u64::MAX, 1, 1], ElementType::U16), None);
 }
