@@ -3,6 +3,7 @@
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
 mod axis;
+mod copy;
 mod element;
 mod entries;
 mod error;
@@ -24,6 +25,7 @@ pub mod synthetic;
 use std::path::Path;
 
 pub use axis::Axis;
+pub use copy::{CopyError, copy};
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
