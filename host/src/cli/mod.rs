@@ -3,6 +3,7 @@
 mod bound;
 mod choice;
 mod compress;
+mod convert;
 mod decompress;
 mod exit;
 mod info;
@@ -38,6 +39,7 @@ Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 
 enum Command {
     Compress(compress::Args),
     Decompress(decompress::Args),
+    Convert(convert::Args),
     Info(info::Args),
     Verify(verify::Args),
     Tables(tables::Args),
@@ -50,6 +52,7 @@ pub(crate) fn run() -> ExitCode {
     let outcome = match Program::parse().command {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Tables(args) => tables::run(&args),

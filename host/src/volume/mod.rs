@@ -2,6 +2,7 @@
 //!
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
+mod copy;
 mod element;
 mod error;
 mod extent;
@@ -22,6 +23,7 @@ pub mod synthetic;
 
 use std::path::Path;
 
+pub use copy::{CopyError, copy};
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};

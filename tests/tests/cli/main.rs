@@ -1,6 +1,7 @@
 //! The command line: what it takes, what it says, which exit codes it ends with, and that no fault leaves half a file.
 
 mod bounds;
+mod convert;
 mod faults;
 mod files;
 mod formats;
