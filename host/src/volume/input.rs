@@ -1,7 +1,7 @@
 //! Files, pipes and devices that are read, with a watch on how many bytes are left.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::ReadError;
@@ -72,12 +72,12 @@ impl Input {
 
     /// Goes to a byte of the file; in a pipe too, of which there is a copy.
     pub(super) fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        self.go_to(position).map_err(|cause| self.io(cause))
+    }
+
+    fn go_to(&mut self, position: u64) -> io::Result<()> {
         let by = i64::try_from(position).ok().zip(i64::try_from(self.position).ok()).map(|(to, at)| to - at);
-        let moved = match by {
-            Some(by) => self.reader.seek_relative(by),
-            None => Err(io::ErrorKind::InvalidInput.into()),
-        };
-        moved.map_err(|cause| self.io(cause))?;
+        self.reader.seek_relative(by.ok_or(io::ErrorKind::InvalidInput)?)?;
         self.position = position;
         Ok(())
     }
@@ -111,6 +111,19 @@ impl Read for Input {
         let count = self.reader.read(out)?;
         self.position += count as u64;
         Ok(count)
+    }
+}
+
+/// For decoders that go to and fro in a file. The end of a pipe is not known.
+impl Seek for Input {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let target = match to {
+            SeekFrom::Start(position) => Some(position),
+            SeekFrom::Current(by) => self.position.checked_add_signed(by),
+            SeekFrom::End(by) => self.bytes.ok_or(io::ErrorKind::Unsupported)?.checked_add_signed(by),
+        };
+        self.go_to(target.ok_or(io::ErrorKind::InvalidInput)?)?;
+        Ok(self.position)
     }
 }
 

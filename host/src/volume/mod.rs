@@ -15,8 +15,11 @@ mod input;
 mod metadata;
 mod npy;
 mod nrrd;
+mod planes;
+mod pnm;
 mod raw;
 mod rearranged;
+mod slices;
 mod spool;
 mod stored;
 mod stream;
@@ -36,8 +39,10 @@ pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use pnm::PnmError;
 pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
+pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 
 /// A whole data set in memory.
