@@ -1,11 +1,13 @@
 //! Output that appears whole or not at all.
 
+mod folder;
 mod temporary;
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+pub use folder::AtomicFolder;
 use temporary::Temporary;
 pub use temporary::abandon_all;
 

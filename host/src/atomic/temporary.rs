@@ -11,7 +11,8 @@ use tempfile::{Builder, NamedTempFile};
 /// Names that are to go when the program ends before their files are in place.
 static NAMES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-fn names() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+/// Nothing is abandoned while this is held.
+pub(super) fn names() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     NAMES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -26,14 +27,29 @@ pub fn abandon_all() {
 
 fn remove_all(names: &mut BTreeSet<PathBuf>) {
     for path in std::mem::take(names) {
-        // What cannot be removed stays; nobody is left to be told.
-        let _ = fs::remove_file(path);
+        // What cannot be removed stays; nobody is left to be told. Others may still be writing into a folder.
+        let is_gone = || fs::remove_file(&path).is_ok() || fs::remove_dir_all(&path).is_ok();
+        let _ = (0..8).any(|_| is_gone());
     }
 }
 
 /// A name among [`NAMES`], until this is dropped.
 #[derive(Debug)]
 pub(super) struct Name(PathBuf);
+
+impl Name {
+    /// Makes a file or a folder, and notes its name.
+    pub(super) fn of<T>(
+        make: impl FnOnce() -> io::Result<T>,
+        path: impl Fn(&T) -> &Path,
+    ) -> io::Result<(T, Self)> {
+        let mut names = names();
+        let made = make()?;
+        let path = path(&made).to_owned();
+        names.insert(path.clone());
+        Ok((made, Self(path)))
+    }
+}
 
 impl Drop for Name {
     fn drop(&mut self) {
@@ -62,10 +78,7 @@ impl Temporary {
     }
 
     fn named(folder: &Path) -> io::Result<Self> {
-        let mut names = names();
-        let file = builder().tempfile_in(folder)?;
-        names.insert(file.path().to_owned());
-        let name = Name(file.path().to_owned());
+        let (file, name) = Name::of(|| builder().tempfile_in(folder), NamedTempFile::path)?;
         Ok(Self::Named(file, name))
     }
 

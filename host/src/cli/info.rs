@@ -92,7 +92,7 @@ impl Contents {
                 "format": metadata.source.format.name(),
                 "byte_order": metadata.source.byte_order.name(),
                 "fortran_order": metadata.source.fortran_order,
-                "rank": metadata.rank,
+                "rank": metadata.rank(),
             },
             "name": metadata.name(),
             "spacing": metadata.spacing(),

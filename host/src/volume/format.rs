@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, pnm};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,14 @@ pub enum FileFormat {
     Nrrd,
     /// NumPy's array file.
     Npy,
+    /// TIFF, of one page or many.
+    Tiff,
+    /// PNG, one slice a file.
+    Png,
+    /// Netpbm's pictures, PGM and PPM, and PFM, one slice a file.
+    Pgm,
+    /// DICOM, a file or a series of them.
+    Dicom,
 }
 
 impl FileFormat {
@@ -30,6 +38,10 @@ impl FileFormat {
             Self::Raw => "raw",
             Self::Nrrd => "NRRD",
             Self::Npy => ".npy",
+            Self::Tiff => "TIFF",
+            Self::Png => "PNG",
+            Self::Pgm => "PGM, PPM or PFM",
+            Self::Dicom => "DICOM",
         }
     }
 }
@@ -41,6 +53,11 @@ pub(super) trait Format: Sync {
 
     /// Whether a path is that of such a file, folder or pattern of files.
     fn has_name(&self, path: &Path) -> bool;
+
+    /// Whether a folder or pattern with such a name is one file to this format, and no stack of slices.
+    fn takes_folders(&self) -> bool {
+        false
+    }
 
     /// What every file begins with, if there is something.
     fn magic(&self) -> Option<&'static [u8]>;
@@ -58,7 +75,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 2] = [&nrrd::Nrrd, &npy::Npy];
+const FORMATS: [&dyn Format; 3] = [&nrrd::Nrrd, &npy::Npy, &pnm::Pnm];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

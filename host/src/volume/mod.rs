@@ -2,17 +2,24 @@
 //!
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
+mod axis;
 mod copy;
 mod element;
+mod entries;
 mod error;
 mod extent;
 mod format;
+mod geometry;
 mod header;
 mod input;
 mod metadata;
 mod npy;
 mod nrrd;
+mod planes;
+mod pnm;
 mod raw;
+mod rearranged;
+mod slices;
 mod spool;
 mod stored;
 mod stream;
@@ -20,18 +27,22 @@ pub mod synthetic;
 
 use std::path::Path;
 
+pub use axis::Axis;
 pub use copy::{CopyError, copy};
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 pub use format::FileFormat;
+pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use pnm::PnmError;
 pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
+pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 
 /// A whole data set in memory.

@@ -113,6 +113,11 @@ impl Stored {
         Ok(stored)
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     fn reader(&mut self) -> &mut Reader {
         self.reader.as_mut().expect("a reader is missing only within `seek`")
     }
