@@ -13,6 +13,7 @@ pub mod measure;
 pub mod mesh;
 pub mod picture;
 pub mod pipeline;
+pub mod preview;
 pub mod progress;
 pub mod simplify;
 pub mod subdivision;

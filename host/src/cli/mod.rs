@@ -10,6 +10,7 @@ mod info;
 mod input;
 mod interrupt;
 mod output;
+mod preview;
 mod progress;
 mod repair;
 mod surface;
@@ -43,6 +44,7 @@ enum Command {
     Compress(compress::Args),
     Decompress(decompress::Args),
     Convert(convert::Args),
+    Preview(preview::Args),
     Info(info::Args),
     Verify(verify::Args),
     Repair(repair::Args),
@@ -58,6 +60,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Preview(args) => preview::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Repair(args) => repair::run(&args),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::Window;
 use crate::atomic::AtomicFile;
-use crate::volume::in_words;
+use crate::volume::{ElementType, in_words};
 
 /// Pixels with the values of samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Picture {
     pub size: [u32; 2],
     /// Values of a pixel: 1, or 3 for red, green and blue.
     pub channels: usize,
+    /// Type of the samples.
+    pub element: ElementType,
     /// Row by row from the top, the values of a pixel together.
     pub values: Vec<f64>,
     /// Width and height of a pixel in one unit, if they are known.
@@ -41,6 +43,14 @@ pub struct PreviewError {
 }
 
 impl Picture {
+    /// The window that shows most pictures well: colors of 8 bits as they are, all else by percentiles.
+    pub fn usual_window(&self) -> Window {
+        match (self.channels, self.element) {
+            (3, ElementType::U8) => Window::Values(0.0, 255.0),
+            _ => Window::default(),
+        }
+    }
+
     /// The picture with black and white at the ends of a window, as samples of a PNG file; NaN is black.
     pub fn shades(&self, window: Window, depth: Depth) -> Vec<u8> {
         let [low, high] = window.ends(&self.values);
@@ -56,7 +66,9 @@ impl Picture {
         let shares = self.values.iter().map(|&value| share(value));
         match depth {
             Depth::Eight => shares.map(|share| (share * 255.0).round() as u8).collect(),
-            Depth::Sixteen => shares.flat_map(|share| ((share * 65535.0).round() as u16).to_be_bytes()).collect(),
+            Depth::Sixteen => {
+                shares.flat_map(|share| ((share * 65535.0).round() as u16).to_be_bytes()).collect()
+            }
         }
     }
 
@@ -67,7 +79,11 @@ impl Picture {
     pub fn write_png(&self, path: &Path, window: Window, depth: Depth) -> Result<(), PreviewError> {
         let written = AtomicFile::create(path).and_then(|mut file| {
             let mut encoder = png::Encoder::new(&mut file, self.size[0], self.size[1]);
-            encoder.set_color(if self.channels == 3 { png::ColorType::Rgb } else { png::ColorType::Grayscale });
+            encoder.set_color(if self.channels == 3 {
+                png::ColorType::Rgb
+            } else {
+                png::ColorType::Grayscale
+            });
             encoder.set_depth(match depth {
                 Depth::Eight => png::BitDepth::Eight,
                 Depth::Sixteen => png::BitDepth::Sixteen,

@@ -66,7 +66,9 @@ pub enum Shown {
         components: u32,
     },
     /// More pixels than a picture can have.
-    #[error("a picture of {width}x{height} pixels is too large: 65536 along each side are the most; choose a --level")]
+    #[error(
+        "a picture of {width}x{height} pixels is too large: 65536 along each side are the most; choose a --level"
+    )]
     TooLarge {
         /// Pixels to the right.
         width: u64,
@@ -190,7 +192,11 @@ fn range_of(view: View, extent: [u64; 3]) -> Result<[u64; 2], Shown> {
         View::Maximum(_) => Ok([0, length]),
         View::Slice(_, at) => {
             let at = at.unwrap_or(length / 2);
-            if at < length { Ok([at, at + 1]) } else { Err(Shown::NoSuchSlice { axis, at, last: length - 1 }) }
+            if at < length {
+                Ok([at, at + 1])
+            } else {
+                Err(Shown::NoSuchSlice { axis, at, last: length - 1 })
+            }
         }
     }
 }
@@ -224,6 +230,7 @@ impl Canvas {
         let picture = Picture {
             size: [width as u32, height as u32],
             channels,
+            element: header.element,
             values: vec![f64::NAN; (width * height) as usize * channels],
             pixel: spacing.map(|spacing| axis.across().map(|across| spacing[across])),
         };
@@ -236,39 +243,37 @@ impl Canvas {
         let [width, height, _] = self.header.extent;
         let (components, size) = (u64::from(self.header.components), self.header.element.bytes());
         let row_bytes = (width * components) as usize * size;
-        let shown = |place: u64| (self.range[0]..self.range[1]).contains(&place);
+        let [from, to] = self.range;
+        let shown = |place: u64| (from..to).contains(&place);
         for (number, row) in (0..).zip(values.chunks_exact(row_bytes)) {
             let (y, z) = (number % height, z + number / height);
-            if self.axis == Axis::Y && !shown(y) || self.axis == Axis::Z && !shown(z) {
-                continue;
-            }
-            // The pixel of the first sample of the row, and how far it is to that of the next.
-            let (start, stride) = match self.axis {
-                Axis::X => (z * height + y, 0),
-                Axis::Y => (z * width, 1),
-                Axis::Z => (y * width, 1),
+            // The pixel of the first sample of the row, and the samples of it that are shown.
+            let (pixel, samples) = match self.axis {
+                Axis::X => (z * height + y, self.range),
+                Axis::Y if shown(y) => (z * width, [0, width]),
+                Axis::Z if shown(z) => (y * width, [0, width]),
+                Axis::Y | Axis::Z => continue,
             };
-            let (range, skip) = match self.axis {
-                Axis::X => (self.range, 0),
-                Axis::Y | Axis::Z => ([0, width], 1),
-            };
-            let _ = skip;
-            let sample = components as usize * size;
-            let from = range[0] as usize * sample;
-            let to = range[1] as usize * sample;
-            let mut place = 0_u64;
-            let (channels, first) = (self.channels as u64, self.first as u64);
-            let pixels = &mut self.picture.values;
-            each_f64(self.header.element, &row[from..to], &mut |value| {
-                let (x, component) = (place / components, place % components);
-                place += 1;
-                if let Some(channel) = component.checked_sub(first).filter(|channel| *channel < channels) {
-                    let pixel = &mut pixels[((start + x * stride) * channels + channel) as usize];
-                    // The first value takes the place of NaN.
-                    *pixel = pixel.max(value);
-                }
-            });
+            let [from, to] = samples.map(|sample| (sample * components) as usize * size);
+            self.add_row(&row[from..to], pixel as usize);
         }
+    }
+
+    /// Adds samples to the pixel with a number, or along x to it and those to its right.
+    fn add_row(&mut self, row: &[u8], pixel: usize) {
+        let (components, first, channels) = (self.header.components as usize, self.first, self.channels);
+        let stride = if self.axis == Axis::X { 0 } else { channels };
+        let pixels = &mut self.picture.values[pixel * channels..];
+        let mut number = 0;
+        each_f64(self.header.element, row, &mut |value| {
+            let (sample, component) = (number / components, number % components);
+            number += 1;
+            if let Some(channel) = component.checked_sub(first).filter(|channel| *channel < channels) {
+                let pixel = &mut pixels[sample * stride + channel];
+                // The first value takes the place of NaN.
+                *pixel = pixel.max(value);
+            }
+        });
     }
 
     fn finish(self) -> Picture {

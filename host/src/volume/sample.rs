@@ -97,7 +97,11 @@ mod tests {
             let mut values = Vec::new();
             each_f64(element, &bytes, &mut |value| values.push(value));
             // Of 2^64 - 1 the nearest is 2^64.
-            assert_eq!(values, [if element == ElementType::U64 { 2_f64.powi(64) } else { first }, 2.0], "{element}");
+            assert_eq!(
+                values,
+                [if element == ElementType::U64 { 2_f64.powi(64) } else { first }, 2.0],
+                "{element}"
+            );
         }
     }
 }
