@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, vtk};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,10 @@ pub enum FileFormat {
     Nrrd,
     /// NumPy's array file.
     Npy,
+    /// VTK's legacy file of a regular grid.
+    VtkLegacy,
+    /// VTK's XML file of a regular grid.
+    VtkXml,
 }
 
 impl FileFormat {
@@ -30,6 +34,8 @@ impl FileFormat {
             Self::Raw => "raw",
             Self::Nrrd => "NRRD",
             Self::Npy => ".npy",
+            Self::VtkLegacy => ".vtk",
+            Self::VtkXml => ".vti",
         }
     }
 }
@@ -58,7 +64,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 2] = [&nrrd::Nrrd, &npy::Npy];
+const FORMATS: [&dyn Format; 4] = [&nrrd::Nrrd, &npy::Npy, &vtk::VtkLegacy, &vtk::VtkXml];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

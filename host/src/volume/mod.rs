@@ -16,6 +16,7 @@ mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod vtk;
 
 use std::path::Path;
 
@@ -31,6 +32,7 @@ pub use nrrd::NrrdError;
 pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use vtk::VtkError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
