@@ -24,6 +24,7 @@ mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod vtk;
 
 use std::path::Path;
 
@@ -44,6 +45,7 @@ pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use vtk::VtkError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
