@@ -7,16 +7,19 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::folder_of;
+use super::temporary::{Name, names};
 
 /// A folder of files under construction: they show in their folder only with [`commit`](Self::commit).
 ///
 /// Until then they are in a temporary folder, which is removed when this value is dropped. Where the folder is a new
 /// one, the temporary folder lies beside it and takes its name, so that all files appear at once. Where it is there
 /// already, they are moved into it one after another, none over another file: if the program is killed between two,
-/// those before remain.
+/// those before remain. A program that is killed before leaves the temporary folder, `.wavelift-1a2b3c.part`.
 #[derive(Debug)]
 pub struct AtomicFolder {
     temporary: TempDir,
+    /// Its name outlives it.
+    _name: Name,
     target: PathBuf,
     is_new: bool,
 }
@@ -43,7 +46,8 @@ impl AtomicFolder {
         if let Some(mode) = new_folder_mode() {
             builder.permissions(mode);
         }
-        Ok(Self { temporary: builder.tempdir_in(place)?, target: target.to_owned(), is_new })
+        let (temporary, name) = Name::of(|| builder.tempdir_in(place), TempDir::path)?;
+        Ok(Self { temporary, _name: name, target: target.to_owned(), is_new })
     }
 
     /// Where the files are to be written.
@@ -57,6 +61,7 @@ impl AtomicFolder {
     ///
     /// When one cannot be moved, as if another has its name by now; those that were moved are taken back.
     pub fn commit(self) -> io::Result<()> {
+        let _nothing_is_abandoned_now = names();
         if self.is_new {
             fs::rename(self.temporary.path(), &self.target)?;
             // The folder has another name now, and is nothing to be removed.

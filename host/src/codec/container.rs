@@ -25,7 +25,7 @@ const END_MAGIC: [u8; 4] = *b"WEND";
 const START_BYTES: usize = 10;
 
 /// Length of the index, its checksum, the end magic.
-const FOOTER_BYTES: usize = 4 + 4 + 4;
+pub(super) const FOOTER_BYTES: usize = 4 + 4 + 4;
 
 /// What every container begins with.
 pub(super) fn start() -> [u8; START_BYTES] {
@@ -303,7 +303,7 @@ fn check_start(source: &dyn ReadAt) -> Result<(), ContainerError> {
 }
 
 /// Reads footer and index; returns the position of the index too.
-fn read_index(source: &dyn ReadAt) -> Result<(Index, u64), ContainerError> {
+pub(super) fn read_index(source: &dyn ReadAt) -> Result<(Index, u64), ContainerError> {
     let end = source.bytes().checked_sub(FOOTER_BYTES as u64).filter(|&end| end >= START_BYTES as u64);
     let end = end.ok_or(ContainerError::Truncated)?;
     let mut found = [0; FOOTER_BYTES];

@@ -42,7 +42,7 @@ impl Container {
         let element = self.head().element;
         let bytes = decode(worker, channel, &stored, (element, brick), level).map_err(damage)?;
         if level == 0 && crc32fast::hash(&bytes) != stored.label.samples_crc {
-            return Err(damage("its samples contradict their checksum".to_owned()));
+            return Err(damage(CONTRADICTED_SAMPLES.to_owned()));
         }
         Ok(bytes)
     }
@@ -76,6 +76,28 @@ impl Container {
         Ok(Stored { label, codestreams: first, exceptions })
     }
 }
+
+/// Decodes a brick that was found without the index, and compares it with the checksum of its samples.
+pub(super) fn decode_found(
+    worker: &mut Worker,
+    channel: &Channel,
+    (label, stored): (&BrickLabel, &[u8]),
+    (element, brick): (ElementType, Brick),
+) -> Result<Vec<u8>, String> {
+    let exceptions = label.exceptions.map_or(0, |kept| kept.bytes as usize);
+    let (codestreams, exceptions) =
+        stored.split_at_checked(stored.len().saturating_sub(exceptions)).ok_or("it is too short")?;
+    let (codestreams, exceptions) = (codestreams.to_vec(), exceptions.to_vec());
+    let stored = Stored { label: label.clone(), codestreams, exceptions };
+    let bytes = decode(worker, channel, &stored, (element, brick), 0)?;
+    if crc32fast::hash(&bytes) == label.samples_crc {
+        Ok(bytes)
+    } else {
+        Err(CONTRADICTED_SAMPLES.to_owned())
+    }
+}
+
+const CONTRADICTED_SAMPLES: &str = "its samples contradict their checksum";
 
 /// Why a brick could not be read.
 enum Fault {

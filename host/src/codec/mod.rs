@@ -20,6 +20,7 @@ mod read;
 mod read_at;
 mod record;
 mod region;
+mod repair;
 mod scaled;
 mod scan;
 mod statistics;
@@ -42,6 +43,7 @@ pub use packing::Values;
 pub use read_at::{Count, Counted, FileAt, ReadAt};
 pub use record::Kind;
 pub use region::{Part, Region, RegionError};
+pub use repair::{Lost, RepairError, Repaired, repair};
 pub use scan::{Content, Found, Scanner};
 pub use statistics::Statistics;
 

@@ -79,6 +79,14 @@ impl<'a> Scanner<'a> {
         scanner
     }
 
+    /// What the whole record at a place of `source` holds, if there is one.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn record_at(source: &'a dyn ReadAt, at: u64) -> io::Result<Option<Content>> {
+        Ok(Self::new(source).record(at)?.and_then(|found| found.content))
+    }
+
     /// The record at `at`, if there is one.
     fn record(&mut self, at: u64) -> io::Result<Option<Found>> {
         let left = self.source.bytes().saturating_sub(at);

@@ -85,6 +85,14 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
+    /// Marks the next brick of the step as lost.
+    pub(super) fn lost_brick(&mut self, component: u32) {
+        if let (Some(entry), Some(summaries)) = (self.index.steps.last_mut(), self.summaries.last_mut()) {
+            entry.bricks.push(0);
+            summaries[component as usize].bricks.push(None);
+        }
+    }
+
     /// Ends a time step: repeats what comes before its bricks, so that one damaged place cannot make all of them useless.
     pub(super) fn end_step(&mut self) -> io::Result<()> {
         let copied = self.first.iter().filter(|record| record.len() as u64 <= self.bricks / COPIED);

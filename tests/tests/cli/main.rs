@@ -11,6 +11,7 @@ mod parts;
 #[cfg(unix)]
 mod pipes;
 mod program;
+mod repair;
 mod reports;
 mod run;
 mod surface;

@@ -1,6 +1,7 @@
 //! A volume to a container and back: every type, region, level, and every damaged byte.
 
 mod bounds;
+mod damage;
 mod lattices;
 
 use std::num::NonZeroUsize;
