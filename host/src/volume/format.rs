@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, pnm};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, pnm, vtk};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +24,10 @@ pub enum FileFormat {
     Pgm,
     /// DICOM, a file or a series of them.
     Dicom,
+    /// VTK's legacy file of a regular grid.
+    VtkLegacy,
+    /// VTK's XML file of a regular grid.
+    VtkXml,
 }
 
 impl FileFormat {
@@ -42,6 +46,8 @@ impl FileFormat {
             Self::Png => "PNG",
             Self::Pgm => "PGM, PPM or PFM",
             Self::Dicom => "DICOM",
+            Self::VtkLegacy => ".vtk",
+            Self::VtkXml => ".vti",
         }
     }
 }
@@ -75,7 +81,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 3] = [&nrrd::Nrrd, &npy::Npy, &pnm::Pnm];
+const FORMATS: [&dyn Format; 5] = [&nrrd::Nrrd, &npy::Npy, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

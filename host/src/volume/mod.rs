@@ -25,6 +25,7 @@ mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod vtk;
 
 use std::path::Path;
 
@@ -46,6 +47,7 @@ pub use sample::Sample;
 use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use vtk::VtkError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

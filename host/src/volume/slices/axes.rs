@@ -1,77 +1,27 @@
 //! Lines about axes, for a slice and for a stack of slices.
 
-use crate::volume::metadata::is_same_name;
-use crate::volume::{HeaderLine, Metadata};
-
-/// Fields of NRRD with an entry for each axis, and what stands for an axis of which nothing is known.
-const PER_AXIS: [(&str, &str); 8] = [
-    ("spacings", "nan"),
-    ("thicknesses", "nan"),
-    ("axis mins", "nan"),
-    ("axis maxs", "nan"),
-    ("centers", "???"),
-    ("kinds", "???"),
-    ("labels", "\"\""),
-    ("units", "\"\""),
-];
+use crate::volume::{Axis, Metadata};
 
 /// Metadata of a stack of slices that each have these: a third axis, of which nothing is known.
 pub(super) fn stacked(slice: &Metadata) -> Metadata {
-    let mut stack = slice.clone();
-    for line in &mut stack.lines {
-        let HeaderLine::Field { name, value } = line else { continue };
-        let unknown = PER_AXIS.into_iter().chain([("space directions", "none")]);
-        let Some((_, unknown)) = unknown.into_iter().find(|(field, _)| is_same_name(field, name)) else {
-            continue;
-        };
-        for _ in entries(value).len()..3 {
-            *value = format!("{value} {unknown}");
-        }
-    }
-    stack.rank = 3;
-    stack
+    let mut axes: Vec<Axis> = slice.axes.iter().copied().filter(|axis| !axis.is_space()).collect();
+    let first = slice.axes.iter().position(|axis| axis.is_space()).unwrap_or(axes.len());
+    axes.splice(first..first, Axis::SPACE);
+    Metadata { lines: slice.lines_for(&axes), axes, ..slice.clone() }
 }
 
 /// Metadata of a slice of a stack that has these, and whether something was said of the third axis.
 pub(super) fn sliced(stack: &Metadata) -> (Metadata, bool) {
-    let mut slice = stack.clone();
-    let mut has_third = false;
-    for line in &mut slice.lines {
-        let HeaderLine::Field { name, value } = line else { continue };
-        let known = PER_AXIS.into_iter().chain([("space directions", "none")]);
-        let Some((_, unknown)) = known.into_iter().find(|(field, _)| is_same_name(field, name)) else {
-            continue;
-        };
-        let found = entries(value);
-        if let [x, y, third, ..] = found[..] {
-            has_third |= third != unknown;
-            *value = format!("{x} {y}");
-        }
-    }
-    slice.rank = slice.rank.min(2);
+    let axes: Vec<Axis> = stack.axes.iter().copied().filter(|axis| !axis.is_like(Axis::Z)).collect();
+    let slice = Metadata { lines: stack.lines_for(&axes), axes, ..stack.clone() };
+    let has_third = slice.lines_for(&stack.axes) != stack.lines;
     (slice, has_third)
-}
-
-/// Parts of a value between blanks, of which those in quotes and brackets are none.
-fn entries(value: &str) -> Vec<&str> {
-    let mut depth = 0_u32;
-    let mut is_quoted = false;
-    let parts = value.split(move |letter: char| {
-        match letter {
-            '"' => is_quoted = !is_quoted,
-            '(' => depth += 1,
-            ')' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        letter.is_whitespace() && !is_quoted && depth == 0
-    });
-    parts.filter(|part| !part.is_empty()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::FileFormat;
+    use crate::volume::{FileFormat, HeaderLine};
 
     fn with(rank: u8, lines: &[(&str, &str)]) -> Metadata {
         let lines = lines

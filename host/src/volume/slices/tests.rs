@@ -37,7 +37,7 @@ fn a_stack_is_read_by_pattern_and_by_folder() {
     for name in ["s%d.pgm", "s*.pgm", "*.pgm", ""] {
         for piece in [1, 3, 4, 7, 12] {
             let mut source = open_volume(&folder.path().join(name), None).unwrap();
-            assert_eq!((source.header().extent, source.header().metadata.rank), ([2, 2, 3], 3));
+            assert_eq!((source.header().extent, source.header().metadata.rank()), ([2, 2, 3], 3));
             assert!(all(&mut source, piece).into_iter().eq(1..13));
             source.seek(6).unwrap();
             let mut part = [0; 3];
@@ -46,7 +46,7 @@ fn a_stack_is_read_by_pattern_and_by_folder() {
         }
     }
     let single = open_volume(&folder.path().join("s9.pgm"), None).unwrap();
-    assert_eq!((single.header().extent, single.header().metadata.rank), ([2, 2, 1], 2));
+    assert_eq!((single.header().extent, single.header().metadata.rank()), ([2, 2, 1], 2));
 }
 
 #[test]
