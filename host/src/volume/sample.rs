@@ -10,9 +10,9 @@ pub trait Sample: bytemuck::Pod + Send + Sync + PartialOrd + sealed::Sealed {
     /// The nearest number in double precision.
     fn to_f64(self) -> f64;
 
-    /// Its value if it lies in memory as the file has it, little-endian.
+    /// The value of one that lies in memory as the file has it, little-endian; and back.
     #[must_use]
-    fn from_little(self) -> Self;
+    fn of_little(value: Self) -> Self;
 }
 
 mod sealed {
@@ -20,7 +20,7 @@ mod sealed {
 }
 
 macro_rules! samples {
-    ($($type:ident $element:ident $from_little:expr;)*) => {$(
+    ($($type:ident $element:ident $of_little:expr;)*) => {$(
         impl sealed::Sealed for $type {}
 
         impl Sample for $type {
@@ -30,8 +30,8 @@ macro_rules! samples {
                 self as f64
             }
 
-            fn from_little(self) -> Self {
-                $from_little(self)
+            fn of_little(value: Self) -> Self {
+                $of_little(value)
             }
         }
     )*};
@@ -55,7 +55,7 @@ samples! {
 pub(crate) fn each_f64(element: ElementType, bytes: &[u8], each: &mut dyn FnMut(f64)) {
     fn of<T: Sample>(bytes: &[u8], each: &mut dyn FnMut(f64)) {
         for value in bytes.chunks_exact(size_of::<T>()) {
-            each(bytemuck::pod_read_unaligned::<T>(value).from_little().to_f64());
+            each(T::of_little(bytemuck::pod_read_unaligned(value)).to_f64());
         }
     }
     match element {
