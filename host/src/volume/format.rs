@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, nifti, npy, nrrd};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,10 @@ pub enum FileFormat {
     Nrrd,
     /// NumPy's array file.
     Npy,
+    /// MetaImage, header attached or detached.
+    MetaImage,
+    /// NIfTI, one file or a pair.
+    Nifti,
 }
 
 impl FileFormat {
@@ -30,6 +34,8 @@ impl FileFormat {
             Self::Raw => "raw",
             Self::Nrrd => "NRRD",
             Self::Npy => ".npy",
+            Self::MetaImage => "MetaImage",
+            Self::Nifti => "NIfTI",
         }
     }
 }
@@ -45,6 +51,11 @@ pub(super) trait Format: Sync {
     /// What every file begins with, if there is something.
     fn magic(&self) -> Option<&'static [u8]>;
 
+    /// Whether samples can be compressed, as [`WriteOptions::gzip`] asks, in a file of this name.
+    fn compresses(&self, _path: &Path) -> bool {
+        false
+    }
+
     /// Opens a file by its path.
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
         self.open_input(Input::open(path)?)
@@ -58,7 +69,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 2] = [&nrrd::Nrrd, &npy::Npy];
+const FORMATS: [&dyn Format; 3] = [&nrrd::Nrrd, &npy::Npy, &nifti::Nifti];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::format::Format;
 use super::input::Input;
-use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
+use super::{Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
 
 /// A file of a data set that is being read.
 ///
@@ -99,7 +99,7 @@ fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Sou
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
     let format: &dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
-    if options.gzip && format.format() != FileFormat::Nrrd {
+    if options.gzip && !format.compresses(path) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }
     format.create(path, header, options)
