@@ -1,9 +1,12 @@
 //! Output that appears whole or not at all.
 
+mod folder;
+
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+pub use folder::AtomicFolder;
 use tempfile::NamedTempFile;
 
 /// A file under construction: what is written shows at its path only with [`commit`](Self::commit).

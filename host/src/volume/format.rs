@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, vtk};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, vtk, zarr};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,6 +20,8 @@ pub enum FileFormat {
     VtkLegacy,
     /// VTK's XML file of a regular grid.
     VtkXml,
+    /// A folder of Zarr: an array or an image.
+    Zarr,
 }
 
 impl FileFormat {
@@ -36,6 +38,7 @@ impl FileFormat {
             Self::Npy => ".npy",
             Self::VtkLegacy => ".vtk",
             Self::VtkXml => ".vti",
+            Self::Zarr => "Zarr",
         }
     }
 }
@@ -64,7 +67,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 4] = [&nrrd::Nrrd, &npy::Npy, &vtk::VtkLegacy, &vtk::VtkXml];
+const FORMATS: [&dyn Format; 5] = [&nrrd::Nrrd, &npy::Npy, &vtk::VtkLegacy, &vtk::VtkXml, &zarr::Zarr];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

@@ -17,6 +17,7 @@ mod stored;
 mod stream;
 pub mod synthetic;
 mod vtk;
+mod zarr;
 
 use std::path::Path;
 
@@ -33,6 +34,7 @@ pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 pub use vtk::VtkError;
+pub use zarr::ZarrError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -99,7 +99,7 @@ fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Sou
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
     let format: &dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
-    if options.gzip && !matches!(format.format(), FileFormat::Nrrd | FileFormat::VtkXml) {
+    if options.gzip && !matches!(format.format(), FileFormat::Nrrd | FileFormat::VtkXml | FileFormat::Zarr) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }
     format.create(path, header, options)
