@@ -27,6 +27,7 @@ mod stored;
 mod stream;
 pub mod synthetic;
 mod vtk;
+mod zarr;
 
 use std::path::Path;
 
@@ -50,6 +51,7 @@ use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 pub use vtk::VtkError;
+pub use zarr::ZarrError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
