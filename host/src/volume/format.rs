@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, nifti, npy, nrrd};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -69,7 +69,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 3] = [&nrrd::Nrrd, &npy::Npy, &nifti::Nifti];
+const FORMATS: [&dyn Format; 4] = [&nrrd::Nrrd, &npy::Npy, &metaimage::MetaImage, &nifti::Nifti];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {
