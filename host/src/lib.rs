@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod array;
 pub mod atomic;
 pub mod bound;
 pub mod codec;
@@ -13,6 +14,7 @@ pub mod measure;
 pub mod mesh;
 pub mod picture;
 pub mod pipeline;
+pub mod preview;
 pub mod progress;
 pub mod simplify;
 pub mod subdivision;

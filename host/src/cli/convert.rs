@@ -1,6 +1,5 @@
 //! `wavelift convert`.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -10,7 +9,7 @@ use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header,
 use super::exit::Failure;
 use super::input::{RawArgs, byte_order_names, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
-use super::progress;
+use super::progress::Bar;
 
 /// Write a volume in another format, without compression
 ///
@@ -53,12 +52,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let header = source.header().clone();
     let options = WriteOptions { byte_order: args.output_byte_order, gzip: args.gzip };
     let Created { sink, losses } = volume::create(&args.output, &header, &options)?;
-    let bar = progress::bar("converting", samples(&header));
-    let count = |samples| {
-        bar.inc(samples);
-        ControlFlow::Continue(())
-    };
-    volume::copy(source.as_mut(), sink, &count)?;
+    let bar = Bar::new(
+        "converting",
+        samples(&header),
+        u64::from(header.components) * header.element.bytes() as u64,
+    );
+    volume::copy(source.as_mut(), sink, &|samples| bar.count(samples))?;
     drop(bar);
     let format = FileFormat::of_path(&args.output);
     if args.json {

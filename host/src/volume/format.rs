@@ -5,7 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd};
+use super::{
+    Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd, pnm, vtk,
+};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,6 +22,18 @@ pub enum FileFormat {
     MetaImage,
     /// NIfTI, one file or a pair.
     Nifti,
+    /// TIFF, of one page or many.
+    Tiff,
+    /// PNG, one slice a file.
+    Png,
+    /// Netpbm's pictures, PGM and PPM, and PFM, one slice a file.
+    Pgm,
+    /// DICOM, a file or a series of them.
+    Dicom,
+    /// VTK's legacy file of a regular grid.
+    VtkLegacy,
+    /// VTK's XML file of a regular grid.
+    VtkXml,
 }
 
 impl FileFormat {
@@ -36,6 +50,12 @@ impl FileFormat {
             Self::Npy => ".npy",
             Self::MetaImage => "MetaImage",
             Self::Nifti => "NIfTI",
+            Self::Tiff => "TIFF",
+            Self::Png => "PNG",
+            Self::Pgm => "PGM, PPM or PFM",
+            Self::Dicom => "DICOM",
+            Self::VtkLegacy => ".vtk",
+            Self::VtkXml => ".vti",
         }
     }
 }
@@ -47,6 +67,11 @@ pub(super) trait Format: Sync {
 
     /// Whether a path is that of such a file, folder or pattern of files.
     fn has_name(&self, path: &Path) -> bool;
+
+    /// Whether a folder or pattern with such a name is one file to this format, and no stack of slices.
+    fn takes_folders(&self) -> bool {
+        false
+    }
 
     /// What every file begins with, if there is something.
     fn magic(&self) -> Option<&'static [u8]>;
@@ -69,16 +94,17 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 4] = [&nrrd::Nrrd, &npy::Npy, &metaimage::MetaImage, &nifti::Nifti];
+const FORMATS: &[&dyn Format] =
+    &[&nrrd::Nrrd, &npy::Npy, &metaimage::MetaImage, &nifti::Nifti, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {
-    FORMATS.into_iter().find(|format| format.has_name(path))
+    FORMATS.iter().copied().find(|format| format.has_name(path))
 }
 
 /// The format that the first bytes of a file are those of.
 pub(super) fn of_first_bytes(input: &mut Input) -> Result<Option<&'static dyn Format>, ReadError> {
-    for format in FORMATS {
+    for &format in FORMATS {
         if let Some(magic) = format.magic()
             && input.starts_with(magic)?
         {

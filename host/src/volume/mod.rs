@@ -18,12 +18,17 @@ mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
+mod planes;
+mod pnm;
 mod raw;
 mod rearranged;
+pub(crate) mod sample;
+mod slices;
 mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod vtk;
 
 use std::path::Path;
 
@@ -41,9 +46,13 @@ pub use metaimage::MetaImageError;
 pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use pnm::PnmError;
 pub use raw::RawLayout;
+pub use sample::Sample;
 use serde::{Deserialize, Serialize};
+pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use vtk::VtkError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,6 +76,11 @@ impl Volume {
     /// All but the samples.
     pub fn header(&self) -> Header {
         Header::scalar(self.extent, self.element, self.metadata.clone())
+    }
+
+    /// The samples of the box of `sides` samples from `origin` on, which lies within the volume.
+    pub(crate) fn cut(&self, origin: [u64; 3], sides: [u32; 3]) -> Vec<u8> {
+        self.rows(origin, sides).flatten().copied().collect()
     }
 
     /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,

@@ -87,7 +87,8 @@ fn files_are_known_by_name_then_by_their_first_bytes() {
     assert_eq!(error.kind(), Fault::Io);
     assert_eq!(error.to_string(), "/no/such/volume.nrrd: cannot read: No such file or directory");
     let error = read(Path::new("/"), None).unwrap_err();
-    assert_eq!((error.kind(), error.to_string().as_str()), (Fault::Io, "/: cannot read: is a directory"));
+    assert_eq!(error.kind(), Fault::Data);
+    assert!(error.to_string().starts_with("/: there are no slices"), "{error}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! A program that is killed, or whose disk is full, leaves the old file or none.
 
-use std::process::{Command, Stdio};
+use std::io::{Read, Write};
+use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -88,4 +89,168 @@ fn a_full_disk_is_told_and_left_clean() {
         "{}",
         outcome.stderr()
     );
+}
+
+/// Sends a signal by its name.
+fn send(child: &Child, signal: &str) {
+    let mut kill = Command::new("kill");
+    assert!(kill.args(["-s", signal, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Waits until the program has taken bytes from a pipe: it listens to signals by then.
+fn begun(command: &mut Command) -> Child {
+    let mut child = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // More than a pipe holds.
+    child.stdin.as_mut().unwrap().write_all(&noise(1 << 20, 3)).unwrap();
+    child
+}
+
+#[test]
+fn a_signal_ends_the_program_and_leaves_no_file() {
+    let folder = Folder::new();
+    folder.write("old.raw", "old");
+    folder.write("old.wlift", "old");
+    let before = folder.everything();
+    for signal in ["INT", "TERM", "HUP"] {
+        for line in [
+            "convert /dev/stdin old.raw --extent 2097152 --type u8",
+            "convert /dev/stdin new.nhdr --extent 2097152 --type u8 --gzip",
+            "compress /dev/stdin old.wlift --extent 2097152 --type u8",
+            "compress /dev/stdin new.wlift --extent 2097152 --type u8",
+            "tables /dev/stdin --extent 2097152 --type u8 --svg new.svg",
+        ] {
+            let mut child = begun(folder.command().args(line.split(' ')));
+            send(&child, signal);
+            let input = child.stdin.take();
+            let output = child.wait_with_output().unwrap();
+            drop(input);
+            assert_eq!(output.status.code(), Some(130), "{line}, {signal}: {output:?}");
+            assert!(output.stderr.is_empty() && folder.everything() == before, "{line}, {signal}");
+        }
+    }
+}
+
+#[test]
+fn a_signal_ends_a_program_that_computes_or_waits_for_a_reader() {
+    let (folder, mut compress) = prepared();
+    assert!(compress.status().unwrap().success());
+    folder.write("out.raw", "old");
+    folder.run("decompress a.wlift whole.raw").silent();
+    let before = folder.everything();
+    for line in ["compress whole.raw a.wlift --extent 96x96x96 --type u16", "decompress a.wlift out.raw"] {
+        let mut child = folder.command().args(line.split(' ')).spawn().unwrap();
+        sleep(Duration::from_millis(30));
+        send(&child, "INT");
+        let code = child.wait().unwrap().code();
+        // On a fast machine it may be done already, or not yet listening.
+        if code == Some(130) {
+            assert!(folder.everything() == before, "{line}");
+        }
+    }
+    let mut command = folder.command();
+    command.args(["convert", "whole.raw", "/dev/stdout", "--extent", "96x96x96", "--type", "u16"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0; 100]).unwrap();
+    send(&child, "TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn ignored_signals_stay_ignored() {
+    let folder = Folder::new();
+    folder.write("in.raw", noise(1 << 21, 3));
+    let convert = "wavelift convert /dev/stdin out.raw --extent 2097152 --type u8";
+    let line =
+        format!("trap '' HUP; (head -c 1000000 in.raw; kill -HUP 0; tail -c +1000001 in.raw) | {convert}");
+    folder.shell(&format!("setsid --wait sh -c \"{line}\"")).silent();
+    assert!(folder.read("out.raw") == folder.read("in.raw"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn progress_is_shown_at_a_terminal_only() {
+    let folder = Folder::new();
+    // The second piece of it waits.
+    folder.write("in.raw", noise(5 << 20, 3));
+    let line = "(cat in.raw; sleep 1) | wavelift convert /dev/stdin out.raw --extent 5242880 --type u8";
+    folder.shell(line).silent();
+    if !folder.shell("script --version").stderr().is_empty() {
+        println!("skipped: no program `script` that makes a terminal");
+        return;
+    }
+    let outcome = folder.shell(&format!("script --quiet --return --command '{line}' /dev/null")).ok();
+    for part in ["converting", " 80 %", "B/s", "left"] {
+        assert!(outcome.stdout().contains(part), "{part} expected: {}", outcome.stdout());
+    }
+}
+
+/// A program that copies `in.raw`, three pieces long, to a pipe that nobody reads yet, and has read the first piece.
+#[cfg(unix)]
+fn waiting(folder: &Folder) -> Child {
+    folder.write("in.raw", noise(12 << 20, 3));
+    let mut command = folder.command();
+    command.args("convert in.raw /dev/stdout --extent 12582912 --type u8".split(' '));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0; 100]).unwrap();
+    child
+}
+
+#[test]
+fn an_input_that_changes_while_it_is_read_is_told() {
+    let folder = Folder::new();
+    let open = || std::fs::OpenOptions::new().write(true).open(folder.path("in.raw")).unwrap();
+    let changes: [(&dyn Fn(), &str); 3] = [
+        (
+            &|| open().set_len(6 << 20).unwrap(),
+            "in.raw: 12582912 of u8 is 12582912 bytes, the file has 6291456",
+        ),
+        (&|| open().set_len(13 << 20).unwrap(), "in.raw: has changed while it was read"),
+        (&|| open().write_all(&[7; 100]).unwrap(), "in.raw: has changed while it was read"),
+    ];
+    for (change, told) in changes {
+        let child = waiting(&folder);
+        change();
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && text.contains(told), "{told} expected: {text}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_and_a_folder_that_vanishes_are_told() {
+    let folder = Folder::new();
+    let mut child = waiting(&folder);
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "wavelift: /dev/stdout: cannot write: Broken pipe\n");
+
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    let mut command = folder.command();
+    command.args("convert /dev/stdin sub/out.raw --extent 1048577 --type u8".split(' '));
+    let mut child = begun(&mut command);
+    std::fs::remove_dir_all(folder.path("sub")).unwrap();
+    child.stdin.take().unwrap().write_all(&[7]).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(4) && text.contains("sub/out.raw: cannot write: No such file"),
+        "{text}"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn every_command_that_writes_tells_of_a_full_device() {
+    let folder = Folder::new();
+    folder.write("in.raw", noise(1 << 20, 3));
+    folder.run("compress in.raw a.wlift --extent 1048576 --type u8 --effort fast").silent();
+    for line in [
+        "convert in.raw /dev/full --extent 1048576 --type u8",
+        "decompress a.wlift /dev/full",
+        "repair a.wlift /dev/full",
+        "preview a.wlift /dev/full",
+    ] {
+        folder.run(line).fails(4, &["/dev/full: cannot write: No space left"]);
+    }
 }

@@ -10,7 +10,9 @@ mod interrupted;
 mod parts;
 #[cfg(unix)]
 mod pipes;
+mod preview;
 mod program;
+mod repair;
 mod reports;
 mod run;
 mod surface;
