@@ -13,6 +13,8 @@ pub mod measure;
 pub mod mesh;
 pub mod picture;
 pub mod pipeline;
+pub mod preview;
+pub mod progress;
 pub mod simplify;
 pub mod subdivision;
 pub mod surface_codec;

@@ -78,7 +78,7 @@ fn transform(
         extent: volume.extent,
         element: ElementType::I32,
         samples: values.into_iter().flat_map(i32::to_le_bytes).collect(),
-        metadata: Metadata::plain(volume.metadata.rank, FileFormat::Raw),
+        metadata: Metadata::plain(volume.metadata.rank() as u8, FileFormat::Raw),
     })
 }
 

@@ -62,7 +62,7 @@ fn round_trip(original: &Volume, wavelet: Choice, path: &Path) -> String {
     assert!(back == *original, "{}: other samples", path.display());
     let samples: u64 = original.extent.iter().product();
     assert_eq!(fs::metadata(path).expect("the file is there").len(), report.container_bytes);
-    let wavelet = report.index.wavelet.map_or("none", Wavelet::name);
+    let wavelet = report.steps[0].channels[0].wavelet.map_or("none", Wavelet::name);
     format!("{wavelet} {:.3}", 8.0 * report.container_bytes as f64 / samples as f64)
 }
 

@@ -1,119 +1,109 @@
-//! Folders that appear whole or not at all.
+//! Files that appear together or not at all.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use tempfile::TempDir;
 
-use super::{behind_links, folder_of};
+use super::folder_of;
+use super::temporary::{Name, names};
 
-/// A folder under construction: what is put into it shows at its path only with [`commit`](Self::commit).
+/// A folder of files under construction: they show in their folder only with [`commit`](Self::commit).
 ///
-/// Until then it is a temporary folder beside the target, which is removed with all its files when this value is
-/// dropped. A folder at the path stays as it is up to the moment when the new one takes its place, whole for whole;
-/// then it is removed. A symbolic link is followed, so that the link remains.
+/// Until then they are in a temporary folder, which is removed when this value is dropped. Where the folder is a new
+/// one, the temporary folder lies beside it and takes its name, so that all files appear at once. Where it is there
+/// already, they are moved into it one after another, none over another file: if the program is killed between two,
+/// those before remain. A program that is killed before leaves the temporary folder, `.wavelift-1a2b3c.part`.
 #[derive(Debug)]
 pub struct AtomicFolder {
-    folder: TempDir,
-    path: PathBuf,
+    temporary: TempDir,
+    /// Its name outlives it.
+    _name: Name,
+    target: PathBuf,
+    is_new: bool,
 }
 
 impl AtomicFolder {
-    /// Makes a temporary folder beside `path`.
+    /// Makes a temporary folder for what will be in `target`.
     ///
     /// # Errors
     ///
-    /// When the folder around is missing or not writable, or `path` is a file.
-    pub fn create(path: &Path) -> io::Result<Self> {
-        let path = behind_links(path)?;
-        if path.exists() && !path.is_dir() {
-            return Err(io::ErrorKind::NotADirectory.into());
+    /// When the folder around `target`, or `target` if it is there, is missing, no folder, or not writable.
+    pub fn create(target: &Path) -> io::Result<Self> {
+        let target = if target.as_os_str().is_empty() { Path::new(".") } else { target };
+        let is_new = !target.try_exists()?;
+        let place = if is_new { folder_of(target) } else { target };
+        if !place.is_dir() {
+            let (kind, what) = match is_new {
+                true => (io::ErrorKind::NotFound, "does not exist"),
+                false => (io::ErrorKind::NotADirectory, "is no folder"),
+            };
+            return Err(io::Error::new(kind, format!("the folder {} {what}", place.display())));
         }
-        let around = folder_of(&path);
-        fs::metadata(around).map_err(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => {
-                io::Error::new(cause.kind(), format!("the folder {} does not exist", around.display()))
-            }
-            _ => cause,
-        })?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(".wavelift-").suffix(".part");
         if let Some(mode) = new_folder_mode() {
             builder.permissions(mode);
         }
-        Ok(Self { folder: builder.tempdir_in(around)?, path })
+        let (temporary, name) = Name::of(|| builder.tempdir_in(place), TempDir::path)?;
+        Ok(Self { temporary, _name: name, target: target.to_owned(), is_new })
     }
 
-    /// The temporary folder, to put files into.
+    /// Where the files are to be written.
     pub fn path(&self) -> &Path {
-        self.folder.path()
+        self.temporary.path()
     }
 
-    /// Makes the storage keep all files, and puts the folder in its place. Where the system can exchange two folders
-    /// (Linux), there is one at the path all the time; elsewhere an old one is moved aside for a moment.
+    /// Puts the files in their place.
     ///
     /// # Errors
     ///
-    /// When any of this fails; the old folder, if there was one, is then still there.
+    /// When one cannot be moved, as if another has its name by now; those that were moved are taken back.
     pub fn commit(self) -> io::Result<()> {
-        let Self { folder, path } = self;
-        let (mut files, mut folders) = (Vec::new(), vec![folder.path().to_owned()]);
-        while let Some(inner) = folders.pop() {
-            for entry in fs::read_dir(inner)? {
-                let entry = entry?;
-                match entry.file_type()?.is_dir() {
-                    true => folders.push(entry.path()),
-                    false => files.push(entry.path()),
-                }
-            }
+        let _nothing_is_abandoned_now = names();
+        if self.is_new {
+            fs::rename(self.temporary.path(), &self.target)?;
+            // The folder has another name now, and is nothing to be removed.
+            let _moved = self.temporary.keep();
+            sync(folder_of(&self.target));
+            return Ok(());
         }
-        files.par_iter().try_for_each(|file| File::open(file)?.sync_all())?;
-        if path.is_dir() {
-            replace(folder.path(), &path)?;
-        } else {
-            fs::rename(folder.path(), &path)?;
+        let mut moved = Vec::new();
+        let outcome = fs::read_dir(self.temporary.path()).and_then(|mut entries| {
+            entries.try_for_each(|entry| {
+                let to = self.target.join(entry?.file_name());
+                move_file(self.temporary.path(), &to)?;
+                moved.push(to);
+                Ok(())
+            })
+        });
+        if outcome.is_err() {
+            moved.iter().for_each(|path| {
+                let _ = fs::remove_file(path);
+            });
         }
-        if let Ok(around) = File::open(folder_of(&path)) {
-            // The folder is in its place already, and not every system can do this.
-            let _ = around.sync_all();
-        }
-        // What has the temporary name now is the old folder, if there was one.
-        folder.close().or_else(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => Ok(()),
-            _ => Err(cause),
-        })
+        sync(&self.target);
+        outcome
     }
 }
 
-/// Exchanges a new folder with the old one at `path`.
-#[cfg(target_os = "linux")]
-fn replace(new: &Path, path: &Path) -> io::Result<()> {
-    use rustix::fs::{CWD, RenameFlags, renameat_with};
-    match renameat_with(CWD, new, CWD, path, RenameFlags::EXCHANGE) {
-        Err(rustix::io::Errno::INVAL | rustix::io::Errno::NOSYS) => replace_in_turn(new, path),
-        result => Ok(result?),
+/// Moves the file that has the same name in `folder` to a path where none is.
+fn move_file(folder: &Path, to: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(to).is_ok() {
+        let text = format!("{} is there already", to.display());
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, text));
+    }
+    fs::rename(folder.join(to.file_name().unwrap_or_default()), to)
+}
+
+/// Lets the storage keep the names in a folder, where the system can do so.
+fn sync(folder: &Path) {
+    if let Ok(folder) = fs::File::open(folder) {
+        let _ = folder.sync_all();
     }
 }
 
-#[cfg(not(target_os = "linux"))]
-fn replace(new: &Path, path: &Path) -> io::Result<()> {
-    replace_in_turn(new, path)
-}
-
-/// Moves the old folder aside, the new one to its place, and the old one to the new one's name.
-fn replace_in_turn(new: &Path, path: &Path) -> io::Result<()> {
-    let aside = new.with_extension("old");
-    fs::rename(path, &aside)?;
-    if let Err(cause) = fs::rename(new, path) {
-        fs::rename(&aside, path)?;
-        return Err(cause);
-    }
-    fs::rename(aside, new)
-}
-
-/// Mode for a new folder, from which the system takes what the umask forbids.
 #[cfg(unix)]
 fn new_folder_mode() -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt;
@@ -138,37 +128,51 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_shows_when_it_is_whole_and_replaces_the_old_one() {
+    fn a_new_folder_appears_with_all_its_files() {
         let around = tempfile::tempdir().unwrap();
-        let path = around.path().join("a");
-        for name in ["one", "two"] {
-            let folder = AtomicFolder::create(&path).unwrap();
-            fs::create_dir(folder.path().join("inner")).unwrap();
-            fs::write(folder.path().join("inner").join(name), name).unwrap();
-            assert_eq!(path.exists(), name == "two");
-            folder.commit().unwrap();
-            assert_eq!(names(&path.join("inner")), [name]);
-            assert_eq!(names(around.path()), ["a"]);
-        }
-        let abandoned = AtomicFolder::create(&path).unwrap();
-        fs::write(abandoned.path().join("three"), "").unwrap();
-        drop(abandoned);
-        assert_eq!(names(around.path()), ["a"]);
-        assert_eq!(names(&path), ["inner"]);
-        let new = around.path().join(".new.part");
-        fs::create_dir(&new).unwrap();
-        replace_in_turn(&new, &path).unwrap();
-        assert_eq!((names(&path), names(&new)), (vec![], vec!["inner".to_owned()]));
+        let target = around.path().join("new");
+        let folder = AtomicFolder::create(&target).unwrap();
+        fs::write(folder.path().join("a"), "1").unwrap();
+        fs::write(folder.path().join("b"), "2").unwrap();
+        assert!(!target.exists());
+        folder.commit().unwrap();
+        assert_eq!(names(&target), ["a", "b"]);
+        assert_eq!(names(around.path()), ["new"]);
+        let missing = AtomicFolder::create(&around.path().join("none/new")).unwrap_err();
+        assert!(missing.to_string().ends_with("none does not exist"), "{missing}");
+        drop(AtomicFolder::create(&around.path().join("other")).unwrap());
+        assert_eq!(names(around.path()), ["new"]);
+        AtomicFolder::create(&target.join("a")).unwrap_err();
     }
 
     #[test]
-    fn files_and_missing_folders_are_errors() {
+    fn files_join_those_of_a_folder_and_replace_none() {
         let around = tempfile::tempdir().unwrap();
-        let file = around.path().join("file");
-        fs::write(&file, "").unwrap();
-        assert_eq!(AtomicFolder::create(&file).unwrap_err().kind(), io::ErrorKind::NotADirectory);
-        let missing = AtomicFolder::create(&around.path().join("none/a")).unwrap_err();
-        assert!(missing.to_string().ends_with("none does not exist"), "{missing}");
-        assert_eq!(names(around.path()), ["file"]);
+        fs::write(around.path().join("old"), "0").unwrap();
+        let folder = AtomicFolder::create(around.path()).unwrap();
+        fs::write(folder.path().join("a"), "1").unwrap();
+        folder.commit().unwrap();
+        assert_eq!(names(around.path()), ["a", "old"]);
+
+        let folder = AtomicFolder::create(around.path()).unwrap();
+        for name in ["0", "old", "z"] {
+            fs::write(folder.path().join(name), "2").unwrap();
+        }
+        let error = folder.commit().unwrap_err();
+        assert!(error.to_string().ends_with("old is there already"), "{error}");
+        assert_eq!(names(around.path()), ["a", "old"]);
+        assert_eq!(fs::read(around.path().join("old")).unwrap(), b"0");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_new_folder_has_the_usual_mode() {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        let around = tempfile::tempdir().unwrap();
+        let [plain, new] = ["plain", "new"].map(|name| around.path().join(name));
+        fs::create_dir(&plain).unwrap();
+        AtomicFolder::create(&new).unwrap().commit().unwrap();
+        assert_eq!(mode(&new), mode(&plain));
     }
 }

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde_json::{Map, Value, json};
 use wavelift_host::bound::{BoundError, Tolerance};
-use wavelift_host::codec::{Form, Index, Values};
+use wavelift_host::codec::{Channel, Form, Summary, Values};
 
 /// How far samples may move; nowhere unless given.
 #[derive(Debug, clap::Args)]
@@ -38,29 +38,29 @@ fn number(text: &str) -> Result<f64, BoundError> {
 }
 
 /// What scripts are told of form and bound, by name.
-pub(crate) fn fields(index: &Index) -> Map<String, Value> {
+pub(crate) fn fields(channel: &Channel, summary: &Summary) -> Map<String, Value> {
     let fields = json!({
-        "form": index.form.name(),
-        "packed_values": index.form.values().map(Values::count),
-        "step": index.form.step(),
-        "slack": index.form.slack(),
-        "density": index.form.scale().map(|scale| scale.density()),
-        "max_error": index.bound.map(|bound| bound.error),
-        "relative_error": index.bound.and_then(|bound| bound.relative),
-        "exceptions": index.exceptions(),
-        "exact_bricks": index.exact_bricks(),
+        "form": channel.form.name(),
+        "packed_values": channel.form.values().map(Values::count),
+        "step": channel.form.step(),
+        "slack": channel.form.slack(),
+        "density": channel.form.scale().map(|scale| scale.density()),
+        "max_error": channel.bound.map(|bound| bound.error),
+        "relative_error": channel.bound.and_then(|bound| bound.relative),
+        "exceptions": summary.exceptions,
+        "exact_bricks": summary.exact_bricks,
     });
     if let Value::Object(fields) = fields { fields } else { Map::new() }
 }
 
 /// What people are told of form and bound, a line each.
-pub(crate) fn lines(index: &Index) -> Vec<String> {
+pub(crate) fn lines(channel: &Channel, summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
-    if let Some(bound) = index.bound {
+    if let Some(bound) = channel.bound {
         let asked = bound.relative.map_or_else(String::new, |fraction| format!(", {fraction} of the range"));
         lines.push(format!("bound     no sample is off by more than {:e}{asked}", bound.error));
     }
-    match &index.form {
+    match &channel.form {
         Form::Exact => {}
         Form::Packed(values) => lines.push(format!("packed    {} values", values.count())),
         Form::Steps(step) => lines.push(format!("scale     integers in steps of {step}")),
@@ -68,10 +68,10 @@ pub(crate) fn lines(index: &Index) -> Vec<String> {
         Form::Scaled { scale, .. } => lines.push(format!(
             "scale     integers, {} to 1{}; {} samples kept beside it, {} of {} bricks exact",
             scale.density(),
-            index.form.slack().map_or_else(String::new, |slack| format!(", lattice within {slack} steps")),
-            index.exceptions(),
-            index.exact_bricks(),
-            index.bricks.len()
+            channel.form.slack().map_or_else(String::new, |slack| format!(", lattice within {slack} steps")),
+            summary.exceptions,
+            summary.exact_bricks,
+            summary.bricks.len()
         )),
     }
     lines

@@ -98,15 +98,17 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         report.container_bytes,
         8.0 * report.container_bytes as f64 / samples as f64,
         report.sample_bytes as f64 / report.container_bytes as f64,
-        report.index.wavelet.map_or("none", Wavelet::name),
-        report.index.levels,
+        report.steps[0].channels[0].wavelet.map_or("none", Wavelet::name),
+        report.steps[0].channels[0].levels,
     ));
-    bound::lines(&report.index).iter().for_each(|line| tell(format_args!("{line}")));
+    bound::lines(&report.steps[0].channels[0], &report.summaries[0][0])
+        .iter()
+        .for_each(|line| tell(format_args!("{line}")));
     Ok(())
 }
 
 fn document(args: &Args, volume: &Volume, report: &Report) -> Value {
-    let index = &report.index;
+    let (channel, summary) = (&report.steps[0].channels[0], &report.summaries[0][0]);
     let samples: u64 = volume.extent.into_iter().product();
     let mut document = json!({
         "input": args.input.display().to_string(),
@@ -116,14 +118,14 @@ fn document(args: &Args, volume: &Volume, report: &Report) -> Value {
         "sample_bytes": report.sample_bytes,
         "bytes": report.container_bytes,
         "bits_per_sample": 8.0 * report.container_bytes as f64 / samples as f64,
-        "bricks": index.bricks.len(),
-        "effort": index.effort.name(),
-        "wavelet": index.wavelet.map_or("none", Wavelet::name),
-        "levels": index.levels,
-        "readable_levels": index.readable_levels,
+        "bricks": summary.bricks.len(),
+        "effort": channel.effort.name(),
+        "wavelet": channel.wavelet.map_or("none", Wavelet::name),
+        "levels": channel.levels,
+        "readable_levels": channel.readable_levels,
     });
     if let Value::Object(fields) = &mut document {
-        fields.extend(bound::fields(index));
+        fields.extend(bound::fields(channel, summary));
     }
     document
 }

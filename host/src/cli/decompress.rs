@@ -61,7 +61,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     let at_input = |error| Failure::of_container(&args.input, &error);
     let container = Container::open(&args.input).map_err(at_input)?;
-    let part = Part { level: args.level, region: args.region };
+    let part = Part { level: args.level, region: args.region, ..Part::default() };
     let bar = progress::bar("decompressing", container.samples_read(&part));
     let volume = container.read(&part, args.threads, &|samples| bar.inc(samples)).map_err(at_input)?;
     drop(bar);
@@ -91,9 +91,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         volume.samples.len(),
         format.name(),
     ));
-    if let Some(wavelet) =
-        container.index().wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet))
-    {
+    let wavelet = container.step(0).map_err(at_input)?.channels[0].wavelet;
+    if let Some(wavelet) = wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet)) {
         tell(format_args!("coarse levels under {wavelet} come in steps; under haar and linear they do not"));
     }
     Ok(())

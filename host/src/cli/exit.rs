@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use wavelift_host::codec::ContainerError;
-use wavelift_host::volume::{Fault, ReadError, WriteError, in_words};
+use wavelift_host::volume::{CopyError, Fault, ReadError, WriteError, in_words};
 
 use super::output::say;
 
@@ -72,6 +72,12 @@ impl From<ReadError> for Failure {
 
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
+        Self::new(error.kind(), error)
+    }
+}
+
+impl From<CopyError> for Failure {
+    fn from(error: CopyError) -> Self {
         Self::new(error.kind(), error)
     }
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wavelift_host::codec::Container;
-use wavelift_host::volume::{HeaderLine, sample_bytes};
+use wavelift_host::codec::{Channel, Container, ContainerError, Head, Step, Summary};
+use wavelift_host::volume::{HeaderLine, Metadata, sample_bytes};
 use wavelift_kernel::Wavelet;
 
 use super::bound;
@@ -32,42 +32,186 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`] if it is not a whole container.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let container =
-        Container::open(&args.input).map_err(|error| Failure::of_container(&args.input, &error))?;
-    if args.json { print_json(&document(&args.input, &container)) } else { print(&text(&container)) }
+    let contents = Container::open(&args.input).and_then(|container| Contents::of(&container));
+    let contents = contents.map_err(|error| Failure::of_container(&args.input, &error))?;
+    if args.json { print_json(&contents.document(&args.input)) } else { print(&contents.text()) }
 }
 
-fn document(input: &Path, container: &Container) -> Value {
-    let index = container.index();
-    let metadata = &index.metadata;
-    let mut document = json!({
-        "input": input.display().to_string(),
-        "extent": index.grid.extent,
-        "type": index.element.name(),
-        "sample_bytes": sample_bytes(index.grid.extent, index.element),
-        "bytes": container.bytes(),
-        "bits_per_sample": bits(container),
-        "brick": index.grid.sides,
-        "bricks": index.bricks.len(),
-        "effort": index.effort.name(),
-        "wavelet": index.wavelet.map_or("none", Wavelet::name),
-        "levels": index.levels,
-        "readable_levels": index.readable_levels,
-        "source": {
-            "format": metadata.source.format.name(),
-            "byte_order": metadata.source.byte_order.name(),
-            "fortran_order": metadata.source.fortran_order,
-            "rank": metadata.rank,
-        },
-        "name": metadata.name(),
-        "spacing": metadata.spacing(),
-        "origin": metadata.origin(),
-        "header": metadata.lines.iter().map(entry).collect::<Vec<_>>(),
-    });
-    if let Value::Object(fields) = &mut document {
-        fields.extend(bound::fields(index));
+/// All that a file says but its samples.
+struct Contents {
+    bytes: u64,
+    head: Head,
+    metadata: Metadata,
+    steps: Vec<Step>,
+    summaries: Vec<Vec<Summary>>,
+}
+
+impl Contents {
+    fn of(container: &Container) -> Result<Self, ContainerError> {
+        Ok(Self {
+            bytes: container.bytes(),
+            head: container.head().clone(),
+            metadata: container.metadata()?.clone(),
+            steps: (0..container.steps())
+                .map(|step| container.step(step).cloned())
+                .collect::<Result<_, _>>()?,
+            summaries: container.summaries()?.to_vec(),
+        })
     }
-    document
+
+    /// Bits that a value takes.
+    fn bits(&self) -> f64 {
+        let Head { extent, components, .. } = self.head;
+        let samples: f64 = extent.into_iter().map(|axis| axis as f64).product();
+        8.0 * self.bytes as f64 / (samples * f64::from(components) * self.steps.len() as f64)
+    }
+
+    /// Bytes of the values.
+    fn sample_bytes(&self) -> Option<u64> {
+        let step =
+            sample_bytes(self.head.extent, self.head.element)?.checked_mul(self.head.components.into())?;
+        step.checked_mul(self.steps.len() as u64)
+    }
+
+    /// What is the same for all, and, for a single volume of single values, how it is coded.
+    fn document(&self, input: &Path) -> Value {
+        let Self { head, metadata, steps, summaries, .. } = self;
+        let mut document = json!({
+            "input": input.display().to_string(),
+            "program": head.program,
+            "extent": head.extent,
+            "components": head.components,
+            "component_names": head.names,
+            "type": head.element.name(),
+            "sample_bytes": self.sample_bytes(),
+            "bytes": self.bytes,
+            "bits_per_sample": self.bits(),
+            "bricks": summaries.iter().flatten().map(|summary| summary.bricks.len()).sum::<usize>(),
+            "readable_levels": steps.iter().map(Step::readable_levels).min(),
+            "source": {
+                "format": metadata.source.format.name(),
+                "byte_order": metadata.source.byte_order.name(),
+                "fortran_order": metadata.source.fortran_order,
+                "rank": metadata.rank(),
+            },
+            "name": metadata.name(),
+            "spacing": metadata.spacing(),
+            "origin": metadata.origin(),
+            "header": metadata.lines.iter().map(entry).collect::<Vec<_>>(),
+        });
+        let of_step = |(step, summaries): (&Step, &Vec<Summary>)| {
+            let channels: Vec<Value> = step
+                .channels
+                .iter()
+                .zip(summaries)
+                .map(|(channel, summary)| self.channel(channel, summary))
+                .collect();
+            json!({ "name": step.name, "time": step.time, "brick": step.sides, "components": channels })
+        };
+        if let Value::Object(fields) = &mut document {
+            if let ([step], [summaries]) = (&steps[..], &summaries[..])
+                && let ([channel], [summary]) = (&step.channels[..], &summaries[..])
+                && let Value::Object(of_channel) = self.channel(channel, summary)
+            {
+                fields.insert("brick".to_owned(), json!(step.sides));
+                fields.extend(of_channel);
+            }
+            fields.insert("steps".to_owned(), steps.iter().zip(summaries).map(of_step).collect());
+        }
+        document
+    }
+
+    /// How one component of a time step is coded, and what its samples are like.
+    fn channel(&self, channel: &Channel, summary: &Summary) -> Value {
+        let range = summary.range(self.head.element);
+        let mut document = json!({
+            "effort": channel.effort.name(),
+            "wavelet": channel.wavelet.map_or("none", Wavelet::name),
+            "levels": channel.levels,
+            "readable_levels": channel.readable_levels,
+            "min": range.map(|[min, _]| min),
+            "max": range.map(|[_, max]| max),
+        });
+        if let Value::Object(fields) = &mut document {
+            fields.extend(bound::fields(channel, summary));
+        }
+        document
+    }
+
+    fn text(&self) -> String {
+        let Self { head, metadata, steps, .. } = self;
+        let [x, y, z] = head.extent;
+        let source = metadata.source;
+        let fortran = if source.fortran_order { ", Fortran order" } else { "" };
+        let mut lines =
+            vec![format!("extent    {x} x {y} x {z}, x fastest"), format!("type      {}", head.element)];
+        if head.components > 1 {
+            let names =
+                if head.names.is_empty() { String::new() } else { format!(": {}", head.names.join(", ")) };
+            lines.push(format!("values    {} of each sample{names}", head.components));
+        }
+        if steps.len() != 1 {
+            lines.push(format!("steps     {} in time", steps.len()));
+        }
+        lines.extend(self.channel_lines());
+        lines.push(format!("size      {} bytes, {:.3} bits a sample", self.bytes, self.bits()));
+        lines.push(format!(
+            "source    {}, {} endian{fortran}",
+            source.format.name(),
+            source.byte_order.name()
+        ));
+        lines.push(format!("program   wavelift {}", head.program));
+        lines.extend(metadata.lines.iter().map(|line| match line {
+            HeaderLine::Comment(text) => format!("          #{text}"),
+            HeaderLine::Field { name, value } => format!("          {name}: {value}"),
+            HeaderLine::KeyValue { key, value } => format!("          {key} := {value}"),
+        }));
+        lines.join("\n") + "\n"
+    }
+
+    /// How each component of each time step is coded; those that are coded like the one before are not told again.
+    fn channel_lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut before = Vec::new();
+        for (step, summaries) in self.steps.iter().zip(&self.summaries) {
+            for (component, (channel, summary)) in step.channels.iter().zip(summaries).enumerate() {
+                let told = self.lines_of(step, channel, summary);
+                if told != before {
+                    if self.head.components > 1 || self.steps.len() > 1 {
+                        let name = step.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
+                        lines.push(format!(
+                            "at        time step {}{name}, component {component}:",
+                            step.number
+                        ));
+                    }
+                    lines.extend(told.clone());
+                    before = told;
+                }
+            }
+        }
+        lines
+    }
+
+    fn lines_of(&self, step: &Step, channel: &Channel, summary: &Summary) -> Vec<String> {
+        let [a, b, c] = step.sides;
+        let mut lines = vec![
+            format!("effort    {}", channel.effort),
+            match channel.wavelet {
+                Some(wavelet) => format!("wavelet   {}, {} levels", wavelet.name(), channel.levels),
+                None => "wavelet   none (no transform)".to_owned(),
+            },
+            match channel.readable_levels {
+                0 => "levels    0, full resolution only".to_owned(),
+                coarsest => format!("levels    0 to {coarsest} can be read"),
+            },
+            format!("bricks    {} of {a} x {b} x {c}", summary.bricks.len()),
+        ];
+        lines.extend(bound::lines(channel, summary));
+        if let Some([min, max]) = summary.range(self.head.element) {
+            lines.push(format!("values    {min} to {max}"));
+        }
+        lines
+    }
 }
 
 fn entry(line: &HeaderLine) -> Value {
@@ -76,39 +220,4 @@ fn entry(line: &HeaderLine) -> Value {
         HeaderLine::Field { name, value } => json!({ "field": name, "value": value }),
         HeaderLine::KeyValue { key, value } => json!({ "key": key, "value": value }),
     }
-}
-
-fn text(container: &Container) -> String {
-    let index = container.index();
-    let ([x, y, z], [a, b, c]) = (index.grid.extent, index.grid.sides);
-    let source = index.metadata.source;
-    let fortran = if source.fortran_order { ", Fortran order" } else { "" };
-    let mut lines = vec![
-        format!("extent    {x} x {y} x {z}, x fastest"),
-        format!("type      {}", index.element),
-        format!("effort    {}", index.effort),
-        match index.wavelet {
-            Some(wavelet) => format!("wavelet   {}, {} levels", wavelet.name(), index.levels),
-            None => "wavelet   none (no transform)".to_owned(),
-        },
-        match index.readable_levels {
-            0 => "levels    0, full resolution only".to_owned(),
-            coarsest => format!("levels    0 to {coarsest} can be read"),
-        },
-        format!("bricks    {} of {a} x {b} x {c}", index.bricks.len()),
-        format!("size      {} bytes, {:.3} bits a sample", container.bytes(), bits(container)),
-        format!("source    {}, {} endian{fortran}", source.format.name(), source.byte_order.name()),
-    ];
-    lines.extend(bound::lines(index));
-    lines.extend(index.metadata.lines.iter().map(|line| match line {
-        HeaderLine::Comment(text) => format!("          #{text}"),
-        HeaderLine::Field { name, value } => format!("          {name}: {value}"),
-        HeaderLine::KeyValue { key, value } => format!("          {key} := {value}"),
-    }));
-    lines.join("\n") + "\n"
-}
-
-fn bits(container: &Container) -> f64 {
-    let samples: f64 = container.index().grid.extent.into_iter().map(|axis| axis as f64).product();
-    8.0 * container.bytes() as f64 / samples
 }

@@ -3,12 +3,16 @@
 mod bound;
 mod choice;
 mod compress;
+mod convert;
 mod decompress;
 mod exit;
 mod info;
 mod input;
+mod interrupt;
 mod output;
+mod preview;
 mod progress;
+mod repair;
 mod surface;
 mod tables;
 mod transform;
@@ -30,7 +34,8 @@ struct Program {
 }
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written.
+Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written,
+130 interrupted.
 
 `wavelift COMMAND --help` says more about each, with an example.";
 
@@ -38,8 +43,11 @@ Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 
 enum Command {
     Compress(compress::Args),
     Decompress(decompress::Args),
+    Convert(convert::Args),
+    Preview(preview::Args),
     Info(info::Args),
     Verify(verify::Args),
+    Repair(repair::Args),
     Tables(tables::Args),
     Transform(transform::Args),
     Surface(surface::Args),
@@ -47,11 +55,15 @@ enum Command {
 
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
+    interrupt::watch();
     let outcome = match Program::parse().command {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Preview(args) => preview::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Repair(args) => repair::run(&args),
         Command::Tables(args) => tables::run(&args),
         Command::Transform(args) => transform::run(&args),
         Command::Surface(args) => surface::run(&args),

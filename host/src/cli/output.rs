@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
 use wavelift_host::atomic::AtomicFile;
-use wavelift_host::volume::{Fault, in_words};
+use wavelift_host::volume::{Fault, FileFormat, in_words};
 
 use super::exit::Failure;
 
@@ -36,6 +36,14 @@ pub(crate) fn tell(what: fmt::Arguments<'_>) {
 /// Writes a line to standard error. Where that fails nobody can be told, so the exit code has to say it.
 pub(crate) fn say(what: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{what}");
+}
+
+/// Tells what of a volume's metadata the format of a file has no place for.
+pub(crate) fn say_losses(output: &Path, losses: &[String]) {
+    if !losses.is_empty() {
+        let (path, format) = (output.display(), FileFormat::of_path(output).name());
+        say(format_args!("wavelift: {path}: {format} has no place for {}", losses.join(", ")));
+    }
 }
 
 /// Writes a file of text that appears whole or not at all.

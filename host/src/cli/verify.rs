@@ -1,6 +1,6 @@
 //! `wavelift verify`.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -123,7 +123,7 @@ impl Findings {
 }
 
 fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
-    let bricks = Some(container.index().bricks.len());
+    let bricks = Some(container.bricks() as usize);
     let Some(path) = &args.original else {
         return Ok(Findings { bricks, damaged: damaged(args, container)?, ..Findings::default() });
     };
@@ -131,7 +131,8 @@ fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
     let bar = progress::bar("comparing", container.samples_read(&Part::default()));
     match container.read(&Part::default(), args.threads, &|samples| bar.inc(samples)) {
         Ok(decoded) => {
-            let bound = container.index().bound.map(|bound| bound.error);
+            let bound =
+                container.step(0).ok().and_then(|step| step.channels[0].bound).map(|bound| bound.error);
             let (difference, largest) = match compare(&decoded, &original, bound) {
                 Ok(largest) => (None, largest),
                 Err(difference) => (Some(difference), None),
@@ -154,22 +155,27 @@ fn damaged(args: &Args, container: &Container) -> Result<Vec<String>, Failure> {
     let note = |error| errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
     let at_input = |error: &ContainerError| Failure::of_container(&args.input, error);
     container.verify(args.threads, &|samples| bar.inc(samples), &note).map_err(|error| at_input(&error))?;
-    let mut damaged = BTreeMap::new();
+    let mut damaged = BTreeSet::new();
     for error in errors.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        let ContainerError::Brick { index, .. } = error else { return Err(at_input(&error)) };
-        damaged.insert(index, error.to_string());
+        let place = match error {
+            ContainerError::Brick { place, .. } => Some(place),
+            _ if error.kind() == Fault::Data => None,
+            _ => return Err(at_input(&error)),
+        };
+        damaged.insert((place, error.to_string()));
     }
-    Ok(damaged.into_values().collect())
+    Ok(damaged.into_iter().map(|(_, message)| message).collect())
 }
 
 /// Reads the original; as a raw file it lies as the compressed file says, but for what is given.
 fn read_original(args: &Args, path: &Path, container: &Container) -> Result<Volume, Failure> {
-    let index = container.index();
+    let at_input = |error: ContainerError| Failure::of_container(&args.input, &error);
+    let (head, metadata) = (container.head(), container.metadata().map_err(at_input)?);
     let known = RawLayout {
-        extent: RankedExtent::new(&index.grid.extent)
+        extent: RankedExtent::new(&head.extent)
             .map_err(|fault| Failure::at(&args.input, Fault::Data, fault))?,
-        element: index.element,
-        byte_order: index.metadata.source.byte_order,
+        element: head.element,
+        byte_order: metadata.source.byte_order,
     };
     if let Some(layout) = args.raw.completed_by(known) {
         return read_volume(path, Some(&layout));

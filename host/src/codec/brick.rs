@@ -6,11 +6,11 @@ use wavelift_kernel::{
 };
 
 use super::choice::Transform;
-use super::container::Kept;
+use super::content::{BrickLabel, Kept, Place};
 use super::grid::per_axis;
-use super::{Brick, Effort, Form, scaled};
+use super::{Effort, Form, Statistics, scaled};
 use crate::bound::{Deviation, Exceptions, Scale};
-use crate::volume::{ElementType, Volume};
+use crate::volume::ElementType;
 
 /// How the bricks of a volume are coded.
 #[derive(Clone, Debug)]
@@ -34,8 +34,22 @@ impl Coding {
     }
 }
 
+/// The samples of a brick: single values, little-endian, x fastest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Samples<'a> {
+    pub(super) element: ElementType,
+    pub(super) sides: [u32; 3],
+    pub(super) bytes: &'a [u8],
+}
+
+impl Samples<'_> {
+    fn extent(&self) -> Extent {
+        Extent::new(self.sides).expect("a grid has bricks of at most 2^27 samples")
+    }
+}
+
 /// A brick in the file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Encoded {
     /// Its codestreams, one after another, then its exceptions.
     pub(super) bytes: Vec<u8>,
@@ -45,6 +59,55 @@ pub(super) struct Encoded {
     pub(super) exceptions: Option<Kept>,
     /// Checksum of the samples as they will be decoded, little-endian in their own type, x fastest.
     pub(super) samples_crc: u32,
+    /// What these samples are like.
+    pub(super) statistics: Option<Statistics>,
+}
+
+impl Encoded {
+    /// The record before it, of a volume that can be read down to level `readable_levels`.
+    pub(super) fn label(&self, place: Place, readable_levels: u8) -> BrickLabel {
+        BrickLabel {
+            place,
+            lengths: self.lengths.clone(),
+            exceptions: self.exceptions,
+            stored_crc: crc32fast::hash(&self.bytes),
+            samples_crc: self.samples_crc,
+            level_checks: self.level_checks(readable_levels),
+        }
+    }
+
+    /// Takes note of the samples that a reader will get.
+    fn note(&mut self, element: ElementType, restored: &[u8]) {
+        self.samples_crc = crc32fast::hash(restored);
+        self.statistics = Statistics::of(element, restored);
+    }
+
+    /// Takes note of the samples that a reader will get, and looks whether they are within the bound.
+    fn confirm(&mut self, samples: Samples<'_>, restored: &[u8], error: f64) -> Result<(), Unfaithful> {
+        self.note(samples.element, restored);
+        let deviation = Deviation::of(samples.element, samples.bytes, restored, error);
+        if deviation.beyond.is_some() { Err(Unfaithful) } else { Ok(()) }
+    }
+
+    /// The checks of the beginnings that make levels, where those are shorter than the whole.
+    fn level_checks(&self, readable_levels: u8) -> Vec<[u8; 2]> {
+        let (len, header) = match (&self.lengths[..], Header::parse(&self.bytes)) {
+            ([len], Ok(header)) if !header.is_stored() => (*len as usize, header),
+            _ => return Vec::new(),
+        };
+        let levels = 1..=readable_levels.min(header.plan().levels());
+        let prefix = |level| &self.bytes[..header.bytes_to_level(level) as usize];
+        levels.map(|level| check(prefix(level), &self.bytes[len..])).collect()
+    }
+}
+
+/// The check of what makes a level: the beginning of a codestream, and all exceptions.
+pub(super) fn check(beginning: &[u8], exceptions: &[u8]) -> [u8; 2] {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(beginning);
+    hasher.update(exceptions);
+    let [low, high, ..] = hasher.finalize().to_le_bytes();
+    [low, high]
 }
 
 /// A decoded brick, whole or at a level.
@@ -90,8 +153,6 @@ pub(super) struct Worker {
     training: Box<Training>,
     dense: Box<Dense>,
     lattice: Box<Lattice>,
-    /// The samples of the brick.
-    bytes: Vec<u8>,
     integers: Vec<i32>,
     scratch: Vec<i32>,
     out: Vec<u8>,
@@ -101,58 +162,47 @@ impl Worker {
     pub(super) fn new() -> Self {
         let [integers, scratch] = [Vec::new(), Vec::new()];
         let (codec, training, dense) = (Box::new(Codec::NEW), Box::new(Training::NEW), Box::new(Dense::NEW));
-        let (lattice, bytes, out) = (Box::new(Lattice::NEW), Vec::new(), Vec::new());
-        Self { codec, training, dense, lattice, bytes, integers, scratch, out }
+        let (lattice, out) = (Box::new(Lattice::NEW), Vec::new());
+        Self { codec, training, dense, lattice, integers, scratch, out }
     }
 
-    /// Encodes `brick` of a volume. What is not coded exactly is decoded again, to know what a reader will get.
-    pub(super) fn encode(
-        &mut self,
-        volume: &Volume,
-        brick: Brick,
-        coding: &Coding,
-    ) -> Result<Encoded, Unfaithful> {
-        self.bytes.clear();
-        for row in volume.rows(brick.origin, brick.sides) {
-            self.bytes.extend_from_slice(row);
-        }
-        let (element, extent) = (volume.element, extent(brick));
+    /// Encodes a brick. What is not coded exactly is decoded again, to know what a reader will get.
+    pub(super) fn encode(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unfaithful> {
         match coding.form {
-            Form::Exact | Form::Packed(_) => Ok(self.encode_planes(element, extent, coding)),
-            Form::Steps(_) | Form::Near(_) => self.encode_integers(element, extent, coding),
-            Form::Scaled { scale, .. } => self.encode_scaled(element, brick, coding, scale),
+            Form::Exact | Form::Packed(_) => Ok(self.encode_exactly(samples, coding)),
+            Form::Steps(_) | Form::Near(_) => self.encode_integers(samples, coding),
+            Form::Scaled { scale, .. } => self.encode_scaled(samples, coding, scale),
         }
     }
 
-    /// Encodes the integers of `self.bytes`, within the bound.
-    fn encode_integers(
-        &mut self,
-        element: ElementType,
-        extent: Extent,
-        coding: &Coding,
-    ) -> Result<Encoded, Unfaithful> {
-        let mut encoded = self.encode_planes(element, extent, coding);
-        let planes = self.decode_again(element, extent, coding, &encoded)?;
-        let restored = coding.form.join(element, &planes);
-        encoded.samples_crc = crc32fast::hash(&restored);
-        let deviation = Deviation::of(element, &self.bytes, &restored, coding.error);
-        if deviation.beyond.is_some() { Err(Unfaithful) } else { Ok(encoded) }
+    /// Encodes samples of which every bit is kept.
+    fn encode_exactly(&mut self, samples: Samples<'_>, coding: &Coding) -> Encoded {
+        let mut encoded = self.encode_planes(samples, coding);
+        encoded.note(samples.element, samples.bytes);
+        encoded
     }
 
-    /// Encodes the samples of `self.bytes` on a scale, with the bits of those that are not on it; or exactly, where
-    /// that is shorter.
+    /// Encodes integers, within the bound.
+    fn encode_integers(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unfaithful> {
+        let mut encoded = self.encode_planes(samples, coding);
+        let planes = self.decode_again(samples, coding, &encoded)?;
+        let restored = coding.form.join(samples.element, &planes);
+        encoded.confirm(samples, &restored, coding.error)?;
+        Ok(encoded)
+    }
+
+    /// Encodes samples on a scale, with the bits of those that are not on it; or exactly, where that is shorter.
     fn encode_scaled(
         &mut self,
-        element: ElementType,
-        brick: Brick,
+        samples: Samples<'_>,
         coding: &Coding,
         scale: Scale,
     ) -> Result<Encoded, Unfaithful> {
-        let extent = extent(brick);
-        let mut encoded = self.encode_planes(element, extent, coding);
-        let planes = self.decode_again(element, extent, coding, &encoded)?;
+        let element = samples.element;
+        let mut encoded = self.encode_planes(samples, coding);
+        let planes = self.decode_again(samples, coding, &encoded)?;
         let [integers] = &planes[..] else { return Err(Unfaithful) };
-        let exceptions = scaled::exceptions(element, scale, &self.bytes, integers, coding.error);
+        let exceptions = scaled::exceptions(element, scale, samples.bytes, integers, coding.error);
         let mut restored = coding.form.join(element, &planes);
         let mut kept = Kept::default();
         if !exceptions.is_empty() {
@@ -160,33 +210,32 @@ impl Worker {
             kept = Kept { samples: exceptions.samples() as u32, bytes: stored.len() as u32 };
             if stored.len() > encoded.bytes.len() {
                 let exactly = Coding { transform: Transform::NONE, form: Form::Exact, ..*coding };
-                let exact = self.encode_planes(element, extent, &exactly);
+                let exact = self.encode_exactly(samples, &exactly);
                 if exact.bytes.len() < encoded.bytes.len() + stored.len() {
                     return Ok(exact);
                 }
             }
             encoded.bytes.extend_from_slice(&stored);
-            if !scaled::apply(&exceptions, element, (brick.sides, 0), &mut restored) {
+            if !scaled::apply(&exceptions, element, (samples.sides, 0), &mut restored) {
                 return Err(Unfaithful);
             }
         }
-        let deviation = Deviation::of(element, &self.bytes, &restored, coding.error);
         encoded.exceptions = Some(kept);
-        encoded.samples_crc = crc32fast::hash(&restored);
-        if deviation.beyond.is_some() { Err(Unfaithful) } else { Ok(encoded) }
+        encoded.confirm(samples, &restored, coding.error)?;
+        Ok(encoded)
     }
 
-    /// Encodes the planes of the samples of `self.bytes`.
-    fn encode_planes(&mut self, element: ElementType, extent: Extent, coding: &Coding) -> Encoded {
-        let samples_crc = crc32fast::hash(&self.bytes);
-        let mut encoded = Encoded { bytes: Vec::new(), lengths: Vec::new(), exceptions: None, samples_crc };
+    /// Encodes the planes of samples.
+    fn encode_planes(&mut self, samples: Samples<'_>, coding: &Coding) -> Encoded {
+        let (element, extent) = (samples.element, samples.extent());
+        let mut encoded = Encoded::default();
         for (plane, sample_type) in coding.form.sample_types(element).into_iter().enumerate() {
             let most = max_encoded_len(extent, sample_type).expect("2^27 samples of 4 bytes fit into memory");
             self.out.resize(most.max(self.out.len()), 0);
             let start = encoded.bytes.len();
             for &effort in coding.tried() {
                 self.integers.resize(extent.samples(), 0);
-                coding.form.split(element, plane, &self.bytes, &mut self.integers);
+                coding.form.split(element, plane, samples.bytes, &mut self.integers);
                 let len = match coding.form.slack() {
                     Some(slack) => self.encode_lattice(Near { extent, sample_type, slack }),
                     None => self.encode_plane(&coding.transform.plan(extent), sample_type, effort),
@@ -224,12 +273,11 @@ impl Worker {
     /// The planes of what was encoded, as a reader will get them.
     fn decode_again(
         &mut self,
-        element: ElementType,
-        extent: Extent,
+        samples: Samples<'_>,
         coding: &Coding,
         encoded: &Encoded,
     ) -> Result<Vec<Vec<i32>>, Unfaithful> {
-        let expected = Expected::new(element, &coding.form, coding.transform, extent);
+        let expected = Expected::new(samples.element, &coding.form, coding.transform, samples.extent());
         let decoded = self.decode(&encoded.bytes, &encoded.lengths, &expected, 0);
         decoded.map(|decoded| decoded.planes).map_err(|_| Unfaithful)
     }
@@ -250,8 +298,8 @@ impl Worker {
         let mut planes = Vec::new();
         let mut first = None;
         for (&sample_type, &len) in expected.types.iter().zip(lengths) {
-            let (codestream, after) =
-                rest.split_at_checked(len as usize).ok_or("it is shorter than its codestreams")?;
+            // Of a level there may be the beginning only, and the kernel knows how much it needs.
+            let (codestream, after) = rest.split_at(rest.len().min(len as usize));
             rest = after;
             let header = Header::parse(codestream).map_err(text)?;
             if !expected.is_met(&header, sample_type) {
@@ -289,31 +337,8 @@ pub(super) fn read_exceptions(bytes: &[u8], kept: Kept) -> Option<Exceptions> {
     }
 }
 
-fn extent(brick: Brick) -> Extent {
-    Extent::new(brick.sides).expect("a grid has bricks of at most 2^27 samples")
-}
-
 fn text(error: DecodeError) -> String {
     error.to_string()
-}
-
-/// Copies a decoded box of `sides` samples, of which those `from .. to` are wanted, to `place` in `part` of `extent`.
-pub(super) fn scatter(
-    bytes: &[u8],
-    sides: [usize; 3],
-    wanted: [std::ops::Range<usize>; 3],
-    place: [usize; 3],
-    (part, extent, sample): (&mut [u8], [usize; 3], usize),
-) {
-    let [x, y, z] = wanted;
-    for (dz, z) in z.enumerate() {
-        for (dy, y) in y.clone().enumerate() {
-            let from = ((z * sides[1] + y) * sides[0] + x.start) * sample;
-            let to = (((place[2] + dz) * extent[1] + place[1] + dy) * extent[0] + place[0]) * sample;
-            let len = x.len() * sample;
-            part[to..to + len].copy_from_slice(&bytes[from..from + len]);
-        }
-    }
 }
 
 /// The sides of a brick of `sides` samples at `level`.

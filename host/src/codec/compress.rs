@@ -5,12 +5,13 @@ use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 
-use super::brick::{Coding, Encoded, Unfaithful, Worker};
-use super::container::{Index, Writer};
+use super::brick::{Coding, Encoded, Samples, Unfaithful, Worker};
+use super::content::{Channel, Head, Place, Step, Summary};
 use super::trial::Trial;
+use super::writer::Writer;
 use super::{Choice, CompressError, Effort, Form, Grid, Progress, pool};
 use crate::bound::{self, Bound, Tolerance};
-use crate::volume::{ElementType, Volume, sample_bytes};
+use crate::volume::{ElementType, Header, Volume, sample_bytes};
 
 /// How a volume is compressed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,8 +38,12 @@ pub struct Report {
     pub sample_bytes: u64,
     /// Bytes of the container.
     pub container_bytes: u64,
-    /// All that the container says, its bricks included.
-    pub index: Index,
+    /// What is the same for every time step.
+    pub head: Head,
+    /// The time steps.
+    pub steps: Vec<Step>,
+    /// What the samples are like, of each component of each time step.
+    pub summaries: Vec<Vec<Summary>>,
 }
 
 /// Bricks coded before they are written, per thread.
@@ -72,23 +77,52 @@ pub fn compress(
     let candidates = options.wavelet.candidates(options.levels, grid.sides)?;
     let trial = Trial { volume, grid: &grid, effort, error };
     let coding = pool.install(|| trial.best(&candidates)).map_err(|Unfaithful| CompressError::Unfaithful)?;
-    let mut writer = Writer::new(out, index(volume, grid, &coding, bound))?;
+    let head = head(&volume.header());
+    let step = Step {
+        number: 0,
+        name: None,
+        time: None,
+        sides: grid.sides,
+        channels: vec![channel(volume, &grid, &coding, bound)],
+    };
+    let readable = step.channels[0].readable_levels;
+    let mut writer = Writer::new(out, &head, &volume.metadata)?;
+    writer.step(&step)?;
     let batch = BATCH * pool.current_num_threads();
     for first in (0..grid.bricks()).step_by(batch) {
         let indices = first..grid.bricks().min(first + batch as u64);
         let encoded: Result<Vec<Encoded>, Unfaithful> = pool.install(|| {
             let encode = |worker: &mut Worker, index| {
-                let encoded = worker.encode(volume, grid.brick(index), &coding);
-                progress(grid.brick(index).samples());
+                let brick = grid.brick(index);
+                let bytes = volume.cut(brick.origin, brick.sides);
+                let samples = Samples { element: volume.element, sides: brick.sides, bytes: &bytes };
+                let encoded = worker.encode(samples, &coding);
+                progress(brick.samples());
                 encoded
             };
-            indices.into_par_iter().map_init(Worker::new, encode).collect()
+            indices.clone().into_par_iter().map_init(Worker::new, encode).collect()
         });
         let encoded = encoded.map_err(|Unfaithful| CompressError::Unfaithful)?;
-        encoded.into_iter().try_for_each(|brick| writer.brick(brick))?;
+        for (brick, encoded) in indices.zip(encoded) {
+            let label = encoded.label(Place { step: 0, brick, component: 0 }, readable);
+            writer.brick(&step, &label, &encoded.bytes, encoded.statistics)?;
+        }
     }
-    let (container_bytes, index) = writer.finish()?;
-    Ok(Report { sample_bytes, container_bytes, index })
+    writer.end_step()?;
+    let summaries = writer.summaries().to_vec();
+    let container_bytes = writer.finish()?;
+    Ok(Report { sample_bytes, container_bytes, head, steps: vec![step], summaries })
+}
+
+/// What is the same for every time step.
+fn head(header: &Header) -> Head {
+    Head {
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        extent: header.extent,
+        components: header.components,
+        element: header.element,
+        names: Vec::new(),
+    }
 }
 
 /// The sides of bricks unless asked otherwise: large ones for [`Effort::Dense`], and where there may be lattices.
@@ -99,18 +133,14 @@ fn default_sides(volume: &Volume, effort: Effort, error: f64) -> [u32; 3] {
 }
 
 /// What there is to say before the bricks are coded.
-fn index(volume: &Volume, grid: Grid, coding: &Coding, bound: Option<Bound>) -> Index {
-    Index {
-        grid,
-        element: volume.element,
+fn channel(volume: &Volume, grid: &Grid, coding: &Coding, bound: Option<Bound>) -> Channel {
+    Channel {
         effort: coding.effort,
         wavelet: coding.transform.wavelet,
         levels: coding.transform.levels,
-        readable_levels: readable_levels(volume, &grid, coding),
+        readable_levels: readable_levels(volume, grid, coding),
         form: coding.form.clone(),
         bound,
-        metadata: volume.metadata.clone(),
-        bricks: Vec::new(),
     }
 }
 

@@ -1,190 +1,107 @@
-//! The container file: codestreams, then an index, then a footer. Its bytes are described in `docs/container.md`.
+//! The container file: where its records are. Its bytes are described in `docs/container.md`.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::OnceLock;
 
-use serde::{Deserialize, Serialize};
-use wavelift_kernel::Wavelet;
+use serde::de::DeserializeOwned;
 
-use super::brick::Encoded;
-use super::choice::Transform;
-use super::{ContainerError, Effort, Form, Grid};
-use crate::bound::Bound;
-use crate::volume::{ElementType, Metadata};
+use super::content::{Head, Index, Step, StepEntry, Summary, damaged};
+use super::record::{self, Kind};
+use super::{ContainerError, FileAt, Grid, ReadAt};
+use crate::volume::{Header, Metadata};
 
 /// Version of the container that is written, and the only one that is read.
-const VERSION: u16 = 2;
+pub(super) const VERSION: u16 = 3;
 
 /// The first eight bytes: not text, and damaged by any conversion of line ends.
 const MAGIC: [u8; 8] = *b"\x89WLIFT\r\n";
 
-/// The last eight bytes.
-const END_MAGIC: [u8; 8] = *b"WLIFTEND";
+/// The last four bytes.
+const END_MAGIC: [u8; 4] = *b"WEND";
 
-/// Magic, version, two reserved bytes.
-const HEADER_BYTES: usize = 12;
+/// Magic and version.
+const START_BYTES: usize = 10;
 
-/// Position and length of the index, its checksum, the checksum of these three, the end magic.
-const FOOTER_BYTES: usize = 8 + 8 + 4 + 4 + 8;
+/// Length of the index, its checksum, the end magic.
+pub(super) const FOOTER_BYTES: usize = 4 + 4 + 4;
 
-/// What a container says about its volume, and where its bricks are.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Index {
-    /// Extent and bricks.
-    pub grid: Grid,
-    /// Type of a sample.
-    pub element: ElementType,
-    /// The effort of the encoder; a reader has no use for it.
-    pub effort: Effort,
-    /// The wavelet, or none.
-    pub wavelet: Option<Wavelet>,
-    /// Levels of the transform of a whole brick.
-    pub levels: u8,
-    /// The coarsest level that can be read; 0 is full resolution.
-    pub readable_levels: u8,
-    /// What its integers stand for.
-    pub form: Form,
-    /// The bound that samples were kept to; `None` for every bit.
-    pub bound: Option<Bound>,
-    /// What the source said beside extent and type.
-    pub metadata: Metadata,
-    /// One entry per brick, in the order of [`Grid`], which is also that of the file.
-    pub bricks: Vec<BrickEntry>,
+/// What every container begins with.
+pub(super) fn start() -> [u8; START_BYTES] {
+    let mut start = [0; START_BYTES];
+    start[..8].copy_from_slice(&MAGIC);
+    start[8..].copy_from_slice(&VERSION.to_le_bytes());
+    start
 }
 
-/// Where one brick is, and how to tell whether it is whole.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct BrickEntry {
-    /// Bytes of each of its codestreams.
-    pub lengths: Vec<u32>,
-    /// What follows them in a volume on a scale; `None` for a brick that is coded exactly, without a transform.
-    pub exceptions: Option<Kept>,
-    /// CRC-32 of its codestreams and exceptions.
-    pub stored_crc: u32,
-    /// CRC-32 of its samples as they are decoded, little-endian in their own type, x fastest.
-    pub samples_crc: u32,
-}
-
-/// The samples of a brick whose bits are kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Kept {
-    /// How many there are.
-    pub samples: u32,
-    /// Bytes that their [`Exceptions`](crate::bound::Exceptions) take, 0 if there are none.
-    pub bytes: u32,
-}
-
-impl Index {
-    /// Samples whose bits are kept beside a scale.
-    pub fn exceptions(&self) -> u64 {
-        self.bricks.iter().filter_map(|brick| brick.exceptions).map(|kept| u64::from(kept.samples)).sum()
-    }
-
-    /// Bricks that are coded exactly, though the volume is on a scale.
-    pub fn exact_bricks(&self) -> usize {
-        let exact = self.bricks.iter().filter(|brick| brick.exceptions.is_none());
-        if self.form.scale().is_some() { exact.count() } else { 0 }
-    }
-}
-
-impl BrickEntry {
-    /// Bytes of its codestreams together, and of its exceptions.
-    pub fn bytes(&self) -> u64 {
-        let exceptions = self.exceptions.map(|kept| kept.bytes);
-        self.lengths.iter().copied().chain(exceptions).map(u64::from).sum()
-    }
-}
-
-/// Writes a container from front to back.
-#[derive(Debug)]
-pub(super) struct Writer<'a, W> {
-    out: &'a mut W,
-    written: u64,
-    index: Index,
-}
-
-impl<'a, W: Write> Writer<'a, W> {
-    /// Starts a container with all that `index` says but its bricks.
-    pub(super) fn new(out: &'a mut W, index: Index) -> io::Result<Self> {
-        out.write_all(&header())?;
-        Ok(Self { out, written: HEADER_BYTES as u64, index })
-    }
-
-    /// Writes the next brick.
-    pub(super) fn brick(&mut self, brick: Encoded) -> io::Result<()> {
-        self.out.write_all(&brick.bytes)?;
-        self.written += brick.bytes.len() as u64;
-        self.index.bricks.push(BrickEntry {
-            lengths: brick.lengths,
-            exceptions: brick.exceptions,
-            stored_crc: crc32fast::hash(&brick.bytes),
-            samples_crc: brick.samples_crc,
-        });
-        Ok(())
-    }
-
-    /// Writes index and footer; returns the bytes of the whole container, and what it says.
-    pub(super) fn finish(self) -> io::Result<(u64, Index)> {
-        let index = postcard::to_allocvec(&self.index).map_err(io::Error::other)?;
-        self.out.write_all(&index)?;
-        self.out.write_all(&footer(self.written, &index))?;
-        self.out.flush()?;
-        Ok((self.written + (index.len() + FOOTER_BYTES) as u64, self.index))
-    }
-}
-
-fn header() -> [u8; HEADER_BYTES] {
-    let mut header = [0; HEADER_BYTES];
-    header[..8].copy_from_slice(&MAGIC);
-    header[8..10].copy_from_slice(&VERSION.to_le_bytes());
-    header
-}
-
-pub(super) fn footer(position: u64, index: &[u8]) -> [u8; FOOTER_BYTES] {
+/// What every container with an index of so many bytes ends with.
+pub(super) fn footer(index: u32) -> [u8; FOOTER_BYTES] {
     let mut footer = [0; FOOTER_BYTES];
-    footer[..8].copy_from_slice(&position.to_le_bytes());
-    footer[8..16].copy_from_slice(&(index.len() as u64).to_le_bytes());
-    footer[16..20].copy_from_slice(&crc32fast::hash(index).to_le_bytes());
-    let crc = crc32fast::hash(&footer[..20]);
-    footer[20..24].copy_from_slice(&crc.to_le_bytes());
-    footer[24..].copy_from_slice(&END_MAGIC);
+    footer[..4].copy_from_slice(&index.to_le_bytes());
+    footer[4..8].copy_from_slice(&crc32fast::hash(&index.to_le_bytes()).to_le_bytes());
+    footer[8..].copy_from_slice(&END_MAGIC);
     footer
 }
 
-/// An open container. Everything but the bricks has been read and checked.
-#[derive(Debug)]
+/// An open container: what it holds, and where.
+///
+/// Any number of threads read from one at once.
 pub struct Container {
-    file: Mutex<File>,
-    bytes: u64,
+    pub(super) source: Box<dyn ReadAt>,
+    head: Head,
+    metadata: Record<Metadata>,
+    steps: Vec<StepRecords>,
+    summaries: Record<Vec<Vec<Summary>>>,
     index: Index,
+}
+
+/// The records of a time step.
+#[derive(Debug)]
+struct StepRecords {
+    step: Record<Step>,
     /// Where each brick begins; one more, where the last one ends.
-    positions: Vec<u64>,
+    bricks: Vec<u64>,
+    /// Bytes of the copies behind the bricks.
+    copies: u32,
+}
+
+impl std::fmt::Debug for Container {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Container")
+            .field("head", &self.head)
+            .field("steps", &self.steps)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Container {
-    /// Opens a container: reads header, footer and index.
+    /// Opens a container: reads its two ends.
     ///
     /// # Errors
     /// [`ContainerError`], for a file that is not a container, or not a whole one.
     pub fn open(path: &Path) -> Result<Self, ContainerError> {
-        let mut file = File::open(path)?;
-        let bytes = file.seek(SeekFrom::End(0))?;
-        check_header(&mut file)?;
-        let (position, index) = read_index(&mut file, bytes)?;
-        let positions = check_index(&index, position)?;
-        Ok(Self { file: Mutex::new(file), bytes, index, positions })
+        Self::new(Box::new(FileAt::open(path)?))
     }
 
-    /// What the container says about its volume and bricks.
-    pub const fn index(&self) -> &Index {
-        &self.index
-    }
-
-    /// Bytes of the file.
-    pub const fn bytes(&self) -> u64 {
-        self.bytes
+    /// As [`Container::open`], for bytes anywhere.
+    ///
+    /// # Errors
+    /// As [`Container::open`].
+    pub fn new(source: Box<dyn ReadAt>) -> Result<Self, ContainerError> {
+        check_start(&*source)?;
+        let (index, end) = read_index(&*source)?;
+        let mut at = START_BYTES as u64;
+        let head: Record<Head> = Record::next(Kind::Head, &mut at, index.head);
+        let metadata = Record::next(Kind::Metadata, &mut at, index.metadata);
+        let steps = index.steps.iter().map(|entry| StepRecords::next(&mut at, entry)).collect();
+        let summaries = Record::next(Kind::Statistics, &mut at, index.statistics);
+        if at != end {
+            return Err(damaged("the records in the index do not fill the file"));
+        }
+        let check = |head: &Head| if head.is_sound() { Ok(()) } else { Err("it is contradictory") };
+        let head = head.read(&*source, check)?.clone();
+        Ok(Self { source, head, metadata, steps, summaries, index })
     }
 
     /// Whether a file begins like a container.
@@ -193,107 +110,216 @@ impl Container {
         File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
     }
 
-    /// The transform of the bricks.
-    pub(super) const fn transform(&self) -> Transform {
-        Transform { wavelet: self.index.wavelet, levels: self.index.levels }
+    /// Bytes of the file.
+    pub fn bytes(&self) -> u64 {
+        self.source.bytes()
     }
 
-    /// Reads the codestreams and exceptions of brick `index`, which is below the number of bricks.
-    pub(super) fn read_brick(&self, index: u64) -> io::Result<Vec<u8>> {
-        let entry = index as usize;
-        let mut bytes = vec![0; (self.positions[entry + 1] - self.positions[entry]) as usize];
-        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        file.seek(SeekFrom::Start(self.positions[entry]))?;
-        file.read_exact(&mut bytes)?;
-        Ok(bytes)
+    /// What is the same for every time step.
+    pub const fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// Number of time steps.
+    pub const fn steps(&self) -> u64 {
+        self.steps.len() as u64
+    }
+
+    /// Number of bricks of all time steps and components.
+    pub fn bricks(&self) -> u64 {
+        self.steps.iter().map(|step| step.bricks.len() as u64 - 1).sum()
+    }
+
+    /// What the source said beside extent and type.
+    ///
+    /// # Errors
+    /// [`ContainerError`], if that is damaged; samples can be read all the same.
+    pub fn metadata(&self) -> Result<&Metadata, ContainerError> {
+        self.metadata.read(&*self.source, |_| Ok(()))
+    }
+
+    /// How a time step is coded; it is read when first asked for.
+    ///
+    /// # Errors
+    /// [`ContainerError`], for a step that is damaged, or not there.
+    pub fn step(&self, number: u64) -> Result<&Step, ContainerError> {
+        let no_such = || ContainerError::NoSuchStep { asked: number, steps: self.steps() };
+        let records =
+            usize::try_from(number).ok().and_then(|step| self.steps.get(step)).ok_or_else(no_such)?;
+        let check = |step: &Step| {
+            let bricks = step.grid(&self.head).is_sound().then(|| step.grid(&self.head).bricks());
+            let bricks = bricks.and_then(|bricks| bricks.checked_mul(self.head.components.into()));
+            match bricks == Some(records.bricks.len() as u64 - 1) && step.number == number {
+                true => step.check(&self.head),
+                false => Err("it has another number, or another number of bricks, than the index says"),
+            }
+        };
+        records.step.read(&*self.source, check).map_err(|error| match error {
+            ContainerError::Record { cause, .. } => ContainerError::Step { step: number, cause },
+            other => other,
+        })
+    }
+
+    /// How a time step is cut into bricks.
+    ///
+    /// # Errors
+    /// As [`Container::step`].
+    pub fn grid(&self, step: u64) -> Result<Grid, ContainerError> {
+        Ok(self.step(step)?.grid(&self.head))
+    }
+
+    /// What the samples are like, of every component of every time step.
+    ///
+    /// # Errors
+    /// [`ContainerError`], if that is damaged; samples can be read all the same.
+    pub fn summaries(&self) -> Result<&[Vec<Summary>], ContainerError> {
+        let bricks = |step: &StepRecords| (step.bricks.len() - 1) / self.head.components as usize;
+        let fits = |(step, summaries): (&StepRecords, &Vec<Summary>)| {
+            summaries.len() == self.head.components as usize
+                && summaries.iter().all(|summary| summary.bricks.len() == bricks(step))
+        };
+        let check = |all: &Vec<Vec<Summary>>| {
+            let is_whole = all.len() == self.steps.len() && self.steps.iter().zip(all).all(fits);
+            if is_whole { Ok(()) } else { Err("it is not of the bricks of the index") }
+        };
+        Ok(self.summaries.read(&*self.source, check)?)
+    }
+
+    /// The whole data set, without its values.
+    ///
+    /// # Errors
+    /// As [`Container::metadata`].
+    pub fn header(&self) -> Result<Header, ContainerError> {
+        Ok(self.head.header(self.steps(), self.metadata()?.clone()))
+    }
+
+    /// The place of a brick in the file, with all that is stored of it. The brick is there.
+    pub(super) fn brick_bytes(&self, step: u64, brick: u64, component: u32) -> std::ops::Range<u64> {
+        let bricks = &self.steps[step as usize].bricks;
+        let number = (brick * u64::from(self.head.components) + u64::from(component)) as usize;
+        bricks[number]..bricks[number + 1]
+    }
+
+    /// Looks whether what is repeated behind the bricks of a step, if anything, is what it repeats.
+    pub(super) fn check_copies(&self, step: u64) -> Result<(), ContainerError> {
+        let records = &self.steps[step as usize];
+        let position = records.bricks.last().copied().unwrap_or_default();
+        let copies = read(&*self.source, position, records.copies)?;
+        let mut rest = &copies[..];
+        let places = [(START_BYTES as u64, self.index.head), self.metadata.place(), records.step.place()];
+        for (position, len) in places {
+            let original = if rest.is_empty() { Vec::new() } else { read(&*self.source, position, len)? };
+            rest = rest.strip_prefix(&original[..]).unwrap_or(rest);
+        }
+        let cause = "it is not what stands before its bricks";
+        if rest.is_empty() {
+            Ok(())
+        } else {
+            Err(ContainerError::Record { what: "copy behind a time step", cause })
+        }
+    }
+
+    /// Bytes before the last two records, and what these said.
+    pub(super) fn for_appending(&self) -> Result<(u64, Index, Vec<Vec<Summary>>), ContainerError> {
+        Ok((self.summaries.position, self.index.clone(), self.summaries()?.to_vec()))
     }
 }
 
-fn check_header(file: &mut File) -> Result<(), ContainerError> {
-    let mut found = [0; HEADER_BYTES];
-    file.seek(SeekFrom::Start(0))?;
-    let read = read_up_to(file, &mut found)?;
-    if !MAGIC.starts_with(&found[..read.min(MAGIC.len())]) || read == 0 {
+impl StepRecords {
+    fn next(at: &mut u64, entry: &StepEntry) -> Self {
+        let step = Record::next(Kind::Step, at, entry.record);
+        let mut bricks = vec![*at];
+        bricks.extend(entry.bricks.iter().map(|&bytes| {
+            *at += u64::from(bytes);
+            *at
+        }));
+        *at += u64::from(entry.copies);
+        Self { step, bricks, copies: entry.copies }
+    }
+}
+
+/// A record that is read when it is needed.
+#[derive(Debug)]
+struct Record<T> {
+    kind: Kind,
+    position: u64,
+    bytes: u32,
+    content: OnceLock<T>,
+}
+
+impl<T: DeserializeOwned> Record<T> {
+    /// A record of so many bytes at `at`, which moves to its end.
+    fn next(kind: Kind, at: &mut u64, bytes: u32) -> Self {
+        let position = *at;
+        *at += u64::from(bytes);
+        Self { kind, position, bytes, content: OnceLock::new() }
+    }
+
+    const fn place(&self) -> (u64, u32) {
+        (self.position, self.bytes)
+    }
+
+    /// Its content, which is checked when it is read.
+    fn read(
+        &self,
+        source: &dyn ReadAt,
+        check: impl Fn(&T) -> Result<(), &'static str>,
+    ) -> Result<&T, ContainerError> {
+        if let Some(content) = self.content.get() {
+            return Ok(content);
+        }
+        let bytes = read(source, self.position, self.bytes)?;
+        let fault = |cause| ContainerError::Record { what: self.kind.name(), cause };
+        let content = match record::from_bytes(self.kind, &bytes) {
+            Some((content, len)) if len == bytes.len() => content,
+            _ => return Err(fault("its record contradicts its checksum, or cannot be read")),
+        };
+        check(&content).map_err(fault)?;
+        Ok(self.content.get_or_init(|| content))
+    }
+}
+
+/// Reads bytes that lie within the file.
+pub(super) fn read(source: &dyn ReadAt, position: u64, len: u32) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![0; len as usize];
+    source.read_at(position, &mut bytes)?;
+    Ok(bytes)
+}
+
+fn check_start(source: &dyn ReadAt) -> Result<(), ContainerError> {
+    let mut found = [0; START_BYTES];
+    let len = source.bytes().min(START_BYTES as u64) as usize;
+    source.read_at(0, &mut found[..len])?;
+    if !MAGIC.starts_with(&found[..len.min(MAGIC.len())]) || len == 0 {
         return Err(ContainerError::NotAContainer);
     }
-    if read < HEADER_BYTES {
+    if len < START_BYTES {
         return Err(ContainerError::Truncated);
     }
-    let version = u16::from_le_bytes([found[8], found[9]]);
-    if version != VERSION {
-        return Err(ContainerError::UnsupportedVersion { found: version });
+    match u16::from_le_bytes([found[8], found[9]]) {
+        VERSION => Ok(()),
+        found => Err(ContainerError::UnsupportedVersion { found }),
     }
-    if found != header() {
-        return Err(ContainerError::Damaged("reserved bytes of the header are not zero"));
-    }
-    Ok(())
-}
-
-fn read_up_to(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
-    let mut bytes = Vec::new();
-    file.take(buffer.len() as u64).read_to_end(&mut bytes)?;
-    buffer[..bytes.len()].copy_from_slice(&bytes);
-    Ok(bytes.len())
 }
 
 /// Reads footer and index; returns the position of the index too.
-fn read_index(file: &mut File, bytes: u64) -> Result<(u64, Index), ContainerError> {
-    let end = bytes.checked_sub(FOOTER_BYTES as u64).filter(|&end| end >= HEADER_BYTES as u64);
+pub(super) fn read_index(source: &dyn ReadAt) -> Result<(Index, u64), ContainerError> {
+    let end = source.bytes().checked_sub(FOOTER_BYTES as u64).filter(|&end| end >= START_BYTES as u64);
     let end = end.ok_or(ContainerError::Truncated)?;
     let mut found = [0; FOOTER_BYTES];
-    file.seek(SeekFrom::Start(end))?;
-    file.read_exact(&mut found)?;
+    source.read_at(end, &mut found)?;
     if !found.ends_with(&END_MAGIC) {
         return Err(ContainerError::Truncated);
     }
-    let [position, len] = [0, 8].map(|at| u64::from_le_bytes(std::array::from_fn(|i| found[at + i])));
-    if crc32fast::hash(&found[..20]) != u32::from_le_bytes(std::array::from_fn(|i| found[20 + i])) {
-        return Err(ContainerError::Damaged("the footer contradicts its checksum"));
+    let len = u32::from_le_bytes(std::array::from_fn(|i| found[i]));
+    if footer(len) != found {
+        return Err(damaged("the footer contradicts its checksum"));
     }
-    if position < HEADER_BYTES as u64 || position.checked_add(len) != Some(end) {
-        return Err(ContainerError::Damaged("the index is not where the footer says"));
+    let position = end.checked_sub(len.into()).filter(|&position| position >= START_BYTES as u64);
+    let position = position.ok_or(damaged("the index is not where the footer says"))?;
+    let bytes = read(source, position, len)?;
+    match record::from_bytes(Kind::Index, &bytes) {
+        Some((index, len)) if len == bytes.len() => Ok((index, position)),
+        _ => Err(damaged("the index contradicts its checksum, or cannot be read")),
     }
-    let mut index = Vec::new();
-    file.seek(SeekFrom::Start(position))?;
-    file.take(len).read_to_end(&mut index)?;
-    if footer(position, &index) != found {
-        return Err(ContainerError::Damaged("the index contradicts its checksum"));
-    }
-    match postcard::take_from_bytes(&index) {
-        Ok((index, [])) => Ok((position, index)),
-        _ => Err(ContainerError::Damaged("the index cannot be read")),
-    }
-}
-
-/// Checks an index against itself and the bytes before it; returns the positions of its bricks.
-fn check_index(index: &Index, end: u64) -> Result<Vec<u64>, ContainerError> {
-    if !index.grid.is_sound() || index.grid.bricks() != index.bricks.len() as u64 {
-        return Err(ContainerError::Damaged("the index has another number of bricks than its extent"));
-    }
-    let deepest = index.grid.max_levels();
-    let transformed = if index.wavelet.is_some() { index.levels } else { deepest };
-    if index.levels > deepest
-        || index.readable_levels > transformed.min(index.grid.aligned_levels())
-        || index.readable_levels > 0 && !index.form.has_levels(index.element)
-        || (index.levels > 0) != index.wavelet.is_some()
-        || (index.form.values().is_some() || index.form.slack().is_some()) && index.wavelet.is_some()
-    {
-        return Err(ContainerError::Damaged("what the index says of levels and form is contradictory"));
-    }
-    let may_be_kept = |brick: &BrickEntry| brick.exceptions.is_none() || index.form.scale().is_some();
-    if !index.form.suits(index.element)
-        || !index.bound.is_none_or(Bound::is_sound)
-        || !index.bricks.iter().all(may_be_kept)
-    {
-        return Err(ContainerError::Damaged("what the index says of bound and scale is contradictory"));
-    }
-    let mut positions = vec![HEADER_BYTES as u64];
-    for brick in &index.bricks {
-        let next = positions.last().and_then(|last| last.checked_add(brick.bytes()));
-        positions.push(next.ok_or(ContainerError::Damaged("the bricks in the index are too long"))?);
-    }
-    if positions.last() != Some(&end) {
-        return Err(ContainerError::Damaged("the bricks in the index do not fill the file"));
-    }
-    Ok(positions)
 }

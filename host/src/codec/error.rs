@@ -2,7 +2,7 @@
 
 use std::io;
 
-use super::Brick;
+use super::{Brick, Place};
 use crate::volume::Fault;
 
 /// Why a volume could not be compressed.
@@ -63,7 +63,7 @@ pub enum ContainerError {
     #[error("not a wavelift file")]
     NotAContainer,
     /// A version this program does not know.
-    #[error("a wavelift file of version {found}, which this program cannot read: a newer wavelift can")]
+    #[error("a wavelift file of version {found}, which this program cannot read: {}", reader_of(*found))]
     UnsupportedVersion {
         /// The version found.
         found: u16,
@@ -74,15 +74,65 @@ pub enum ContainerError {
     /// Something outside the bricks contradicts its checksum or itself.
     #[error("damaged: {0}")]
     Damaged(&'static str),
-    /// A brick contradicts its checksum or cannot be decoded.
-    #[error("damaged: brick {index} (samples {}): {cause}", region_of(brick))]
-    Brick {
+    /// What is said of the whole contradicts its checksum or itself.
+    #[error("damaged: the {what}: {cause}")]
+    Record {
+        /// What it is: head, metadata, statistics.
+        what: &'static str,
+        /// What is wrong with it.
+        cause: &'static str,
+    },
+    /// What is said of a time step contradicts its checksum or itself.
+    #[error("damaged: time step {step}: {cause}")]
+    Step {
         /// Its number.
-        index: u64,
+        step: u64,
+        /// What is wrong with it.
+        cause: &'static str,
+    },
+    /// A brick contradicts its checksum or cannot be decoded.
+    #[error("damaged: {} (samples {}): {cause}", name_of(place), region_of(brick))]
+    Brick {
+        /// Which one it is.
+        place: Place,
         /// Where it lies.
         brick: Brick,
         /// What is wrong with it.
         cause: String,
+    },
+    /// A time step that the file does not have.
+    #[error("there is no time step {asked}: the file has {steps}, the first is 0")]
+    NoSuchStep {
+        /// The step asked for.
+        asked: u64,
+        /// Number of time steps.
+        steps: u64,
+    },
+    /// A component that samples do not have.
+    #[error("there is no component {asked}: samples have {components}, the first is 0")]
+    NoSuchComponent {
+        /// The component asked for.
+        asked: u32,
+        /// Values of a sample.
+        components: u32,
+    },
+    /// Several values where one volume of single ones was asked for.
+    #[error(
+        "{steps} time steps of samples with {components} components are no single volume: choose one of each"
+    )]
+    NotScalar {
+        /// Time steps.
+        steps: u64,
+        /// Values of a sample.
+        components: u32,
+    },
+    /// Memory of another length than what is to be read.
+    #[error("{actual} bytes of memory for {expected} bytes of samples")]
+    BufferLength {
+        /// Bytes of the samples.
+        expected: u64,
+        /// Bytes that were lent.
+        actual: u64,
     },
     /// A level that the file does not offer.
     #[error("level {asked} is not in this file: {why}")]
@@ -123,12 +173,35 @@ impl ContainerError {
     /// Whose fault it is.
     pub const fn kind(&self) -> Fault {
         match self {
-            Self::NoSuchLevel { .. } | Self::NoSuchRegion { .. } | Self::NoSampleInRegion { .. } => {
-                Fault::Usage
-            }
+            Self::NoSuchLevel { .. }
+            | Self::NoSuchRegion { .. }
+            | Self::NoSampleInRegion { .. }
+            | Self::NoSuchStep { .. }
+            | Self::NoSuchComponent { .. }
+            | Self::NotScalar { .. }
+            | Self::BufferLength { .. } => Fault::Usage,
             Self::Io(_) | Self::OutOfMemory { .. } => Fault::Io,
             _ => Fault::Data,
         }
+    }
+}
+
+/// Who can read a version that this program cannot.
+const fn reader_of(version: u16) -> &'static str {
+    if version < super::container::VERSION {
+        "it was never released, compress the volume again"
+    } else {
+        "a newer wavelift can"
+    }
+}
+
+/// A brick in words: step and component are named if they are not the first.
+fn name_of(place: &Place) -> String {
+    let Place { step, brick, component } = place;
+    match (step, component) {
+        (0, 0) => format!("brick {brick}"),
+        (_, 0) => format!("brick {brick} of time step {step}"),
+        _ => format!("brick {brick} of time step {step}, component {component}"),
     }
 }
 

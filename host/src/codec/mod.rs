@@ -7,6 +7,8 @@ mod brick;
 mod choice;
 mod compress;
 mod container;
+mod content;
+mod decode;
 mod effort;
 mod error;
 mod form;
@@ -15,22 +17,35 @@ mod level;
 mod packing;
 pub(crate) mod planes;
 mod read;
+mod read_at;
+mod record;
+mod region;
+mod repair;
 mod scaled;
+mod scan;
+mod statistics;
 mod steps;
 #[cfg(test)]
 mod tests;
 mod trial;
+mod writer;
 
 pub(crate) use choice::Transform;
 pub use choice::{Choice, UnknownChoice};
 pub use compress::{CompressOptions, Report, compress};
-pub use container::{BrickEntry, Container, Index, Kept};
+pub use container::Container;
+pub use content::{BrickLabel, Channel, Head, Kept, Place, Step, Summary};
 pub use effort::{Effort, UnknownEffort};
 pub use error::{CompressError, ContainerError};
 pub use form::Form;
 pub use grid::{Brick, Grid};
 pub use packing::Values;
-pub use read::{Part, Region, RegionError};
+pub use read_at::{Count, Counted, FileAt, ReadAt};
+pub use record::Kind;
+pub use region::{Part, Region, RegionError};
+pub use repair::{Lost, RepairError, Repaired, repair};
+pub use scan::{Content, Found, Scanner};
+pub use statistics::Statistics;
 
 /// Told the number of samples done since it was last told, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);

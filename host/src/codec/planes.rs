@@ -77,12 +77,12 @@ fn halves(high: &[i32], low: &[i32]) -> impl Iterator<Item = i64> {
 }
 
 /// The bits of a float as an integer in the same order, and back: flips all but the sign of negative ones.
-const fn ordered32(bits: i32) -> i32 {
+pub(super) const fn ordered32(bits: i32) -> i32 {
     bits ^ ((bits >> 31).cast_unsigned() >> 1).cast_signed()
 }
 
 /// See [`ordered32`].
-const fn ordered64(bits: i64) -> i64 {
+pub(super) const fn ordered64(bits: i64) -> i64 {
     bits ^ ((bits >> 63).cast_unsigned() >> 1).cast_signed()
 }
 

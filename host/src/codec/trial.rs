@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use wavelift_kernel::Wavelet;
 
-use super::brick::{Coding, Unfaithful, Worker};
+use super::brick::{Coding, Samples, Unfaithful, Worker};
 use super::choice::{Candidates, Transform};
 use super::grid::per_axis;
 use super::{Brick, Effort, Form, Grid, Values, scaled, steps};
@@ -127,7 +127,11 @@ impl Trial<'_> {
     fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Brick]) -> Result<u64, Unfaithful> {
         let hardest = if self.error > 0.0 { Effort::Dense } else { Effort::Default };
         let tried = Coding { effort: coding.effort.min(hardest), ..coding.clone() };
-        let lengths = pieces.iter().map(|&piece| worker.encode(self.volume, piece, &tried));
+        let lengths = pieces.iter().map(|&piece| {
+            let bytes = self.volume.cut(piece.origin, piece.sides);
+            let samples = Samples { element: self.volume.element, sides: piece.sides, bytes: &bytes };
+            worker.encode(samples, &tried)
+        });
         let bytes = lengths.map(|piece| Ok(piece?.bytes.len() as u64)).sum::<Result<u64, _>>()?;
         let tried: u64 = pieces.iter().map(Brick::samples).sum();
         let values = coding.form.values().map_or(0, |values| BYTES_PER_VALUE * values.count() as u64);

@@ -2,11 +2,11 @@
 
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use super::FileFormat;
 use super::npy::NpyError;
 use super::nrrd::NrrdError;
+use super::{FileFormat, SlicesError};
 
 /// Whose fault an error is; the program's exit code follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,6 +138,14 @@ pub enum ReadError {
         /// What is wrong with it, and what to do.
         cause: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// Files that make no stack of slices.
+    #[error("{}: {cause}", path.display())]
+    Slices {
+        /// The folder or pattern.
+        path: PathBuf,
+        /// What is wrong with them.
+        cause: SlicesError,
+    },
     /// A header that is no NRRD header of a volume.
     #[error("{}: {cause}", path.display())]
     Nrrd {
@@ -166,6 +174,7 @@ impl ReadError {
             | Self::Gzip { .. }
             | Self::BeyondEnd { .. }
             | Self::Format { .. }
+            | Self::Slices { .. }
             | Self::Nrrd { .. }
             | Self::Npy { .. } => Fault::Data,
         }
@@ -195,7 +204,10 @@ pub enum WriteError {
         found: u64,
     },
     /// Compression was asked for in a format that has none.
-    #[error("{}: only NRRD files hold gzip data: leave gzip out, or write .nrrd or .nhdr", path.display())]
+    #[error(
+        "{}: files of this name hold no compressed samples: leave gzip out, or write .nrrd, .nhdr, .mha, .mhd or .nii.gz",
+        path.display()
+    )]
     NoGzip {
         /// File in question.
         path: PathBuf,
@@ -209,6 +221,20 @@ pub enum WriteError {
         format: FileFormat,
         /// What they cannot hold, and what can.
         what: String,
+    },
+    /// Slices would mix with those that are there.
+    #[error(
+        "{}: files of such names are there already ({count}, as {}): remove them or choose another name",
+        path.display(),
+        first.display()
+    )]
+    SlicesExist {
+        /// The pattern.
+        path: PathBuf,
+        /// Files whose names fit it.
+        count: usize,
+        /// One of them.
+        first: PathBuf,
     },
     /// A detached header would replace a data file that does not belong to it.
     #[error(
@@ -230,7 +256,23 @@ impl WriteError {
         match self {
             Self::Io { .. } => Fault::Io,
             Self::SampleBytes { .. } => Fault::Data,
-            Self::NoGzip { .. } | Self::CannotHold { .. } | Self::DataFileExists { .. } => Fault::Usage,
+            Self::NoGzip { .. }
+            | Self::CannotHold { .. }
+            | Self::SlicesExist { .. }
+            | Self::DataFileExists { .. } => Fault::Usage,
+        }
+    }
+
+    /// The same fault of what the user knows as `file`, where the file in question is a part of it.
+    #[must_use]
+    pub(super) fn at(self, file: &Path) -> Self {
+        let path = file.to_owned();
+        match self {
+            Self::Io { cause, .. } => Self::Io { path, cause },
+            Self::SampleBytes { expected, found, .. } => Self::SampleBytes { path, expected, found },
+            Self::NoGzip { .. } => Self::NoGzip { path },
+            Self::CannotHold { format, what, .. } => Self::CannotHold { path, format, what },
+            other @ (Self::SlicesExist { .. } | Self::DataFileExists { .. }) => other,
         }
     }
 }

@@ -111,6 +111,9 @@ pub enum ExtentError {
         /// `x`, `y` or `z`.
         axis: char,
     },
+    /// An axis of components or time without samples.
+    #[error("an axis of components or time steps has no values: every axis needs at least one")]
+    NoValues,
     /// More samples than can be counted.
     #[error("the extent has more samples than 64 bits can count the bytes of")]
     TooLarge,

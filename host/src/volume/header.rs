@@ -1,6 +1,7 @@
 //! What a file says of its samples, before any is read.
 
-use super::{ElementType, Metadata};
+use super::axis::{self, Axis};
+use super::{ElementType, ExtentError, Metadata, RankedExtent};
 
 /// A data set without its samples: time steps of volumes, each sample of which has one value or several.
 ///
@@ -24,6 +25,61 @@ impl Header {
     /// One volume of single values.
     pub const fn scalar(extent: [u64; 3], element: ElementType, metadata: Metadata) -> Self {
         Self { extent, components: 1, steps: 1, element, metadata }
+    }
+
+    /// A data set whose file has the axes of `metadata`, each of so many samples.
+    ///
+    /// # Errors
+    /// [`ExtentError`]: an axis of no samples, or more values than the bytes of can be counted.
+    pub(super) fn of_axes(
+        counts: &[u64],
+        element: ElementType,
+        metadata: Metadata,
+    ) -> Result<Self, ExtentError> {
+        let mut extent = [1; 3];
+        for (axis, &count) in metadata.axes.iter().zip(counts) {
+            if let Some(axis) = axis.space() {
+                extent[axis] = count;
+            }
+        }
+        let samples = RankedExtent::new(&extent)?.samples();
+        let components = axis::components(&metadata.axes).ok_or(ExtentError::TooLarge)?;
+        let steps = axis::steps(&metadata.axes).ok_or(ExtentError::TooLarge)?;
+        let others = u64::from(components).checked_mul(steps).ok_or(ExtentError::TooLarge)?;
+        match samples.checked_mul(others) {
+            Some(0) => Err(ExtentError::NoValues),
+            Some(values) if values <= u64::MAX / 8 => {
+                Ok(Self { extent, components, steps, element, metadata })
+            }
+            _ => Err(ExtentError::TooLarge),
+        }
+    }
+
+    /// Axes of a file of this data set, fastest first: those of the source if they hold it, else those of
+    /// components, x, y, z and time in this order, as far as they are needed.
+    pub fn axes(&self) -> Vec<Axis> {
+        let axes = &self.metadata.axes;
+        let holds = axis::components(axes) == Some(self.components)
+            && axis::steps(axes) == Some(self.steps)
+            && self.rank() == self.metadata.rank();
+        if holds {
+            return axes.clone();
+        }
+        let components = (self.components != 1).then_some(Axis::Component(self.components));
+        let steps = (self.steps != 1).then_some(Axis::Time(self.steps));
+        let space = Axis::SPACE[..self.rank()].iter().copied();
+        components.into_iter().chain(space).chain(steps).collect()
+    }
+
+    /// Samples along an axis.
+    pub(super) fn count(&self, axis: Axis) -> u64 {
+        match axis {
+            Axis::Component(count) => count.into(),
+            Axis::X => self.extent[0],
+            Axis::Y => self.extent[1],
+            Axis::Z => self.extent[2],
+            Axis::Time(count) => count,
+        }
     }
 
     /// Whether this is one volume of single values.

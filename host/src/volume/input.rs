@@ -1,7 +1,7 @@
 //! Files, pipes and devices that are read, with a watch on how many bytes are left.
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::ReadError;
@@ -25,10 +25,18 @@ impl Input {
     pub(super) fn open(path: &Path) -> Result<Self, ReadError> {
         let open = || {
             let file = File::open(path)?;
-            let metadata = file.metadata()?;
-            if metadata.is_dir() {
+            if file.metadata()?.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());
             }
+            Ok(file)
+        };
+        Self::of_file(open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })?, path)
+    }
+
+    /// Takes an open file from where it stands, which is its beginning; errors will name it `path`.
+    pub(super) fn of_file(file: File, path: &Path) -> Result<Self, ReadError> {
+        let wrap = || {
+            let metadata = file.metadata()?;
             let bytes = metadata.is_file().then_some(metadata.len());
             let reader: Box<dyn ReadSeek> = match bytes {
                 Some(_) => Box::new(file),
@@ -36,7 +44,7 @@ impl Input {
             };
             Ok(Self { reader: BufReader::new(reader), path: path.to_owned(), position: 0, bytes })
         };
-        open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
+        wrap().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
     }
 
     /// Reads from memory as from a regular file.
@@ -64,12 +72,12 @@ impl Input {
 
     /// Goes to a byte of the file; in a pipe too, of which there is a copy.
     pub(super) fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        self.go_to(position).map_err(|cause| self.io(cause))
+    }
+
+    fn go_to(&mut self, position: u64) -> io::Result<()> {
         let by = i64::try_from(position).ok().zip(i64::try_from(self.position).ok()).map(|(to, at)| to - at);
-        let moved = match by {
-            Some(by) => self.reader.seek_relative(by),
-            None => Err(io::ErrorKind::InvalidInput.into()),
-        };
-        moved.map_err(|cause| self.io(cause))?;
+        self.reader.seek_relative(by.ok_or(io::ErrorKind::InvalidInput)?)?;
         self.position = position;
         Ok(())
     }
@@ -103,6 +111,19 @@ impl Read for Input {
         let count = self.reader.read(out)?;
         self.position += count as u64;
         Ok(count)
+    }
+}
+
+/// For decoders that go to and fro in a file. The end of a pipe is not known.
+impl Seek for Input {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let target = match to {
+            SeekFrom::Start(position) => Some(position),
+            SeekFrom::Current(by) => self.position.checked_add_signed(by),
+            SeekFrom::End(by) => self.bytes.ok_or(io::ErrorKind::Unsupported)?.checked_add_signed(by),
+        };
+        self.go_to(target.ok_or(io::ErrorKind::InvalidInput)?)?;
+        Ok(self.position)
     }
 }
 

@@ -2,16 +2,26 @@
 //!
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
+mod axis;
+mod copy;
 mod element;
+mod entries;
 mod error;
 mod extent;
 mod format;
+mod geometry;
 mod header;
 mod input;
 mod metadata;
+mod nifti;
 mod npy;
 mod nrrd;
+mod planes;
+mod pnm;
 mod raw;
+mod rearranged;
+pub(crate) mod sample;
+mod slices;
 mod spool;
 mod stored;
 mod stream;
@@ -21,17 +31,24 @@ mod zarr;
 
 use std::path::Path;
 
+pub use axis::Axis;
+pub use copy::{CopyError, copy};
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 pub use format::FileFormat;
+pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
+pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use pnm::PnmError;
 pub use raw::RawLayout;
+pub use sample::Sample;
 use serde::{Deserialize, Serialize};
+pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 pub use vtk::VtkError;
 pub use zarr::ZarrError;
@@ -60,6 +77,11 @@ impl Volume {
         Header::scalar(self.extent, self.element, self.metadata.clone())
     }
 
+    /// The samples of the box of `sides` samples from `origin` on, which lies within the volume.
+    pub(crate) fn cut(&self, origin: [u64; 3], sides: [u32; 3]) -> Vec<u8> {
+        self.rows(origin, sides).flatten().copied().collect()
+    }
+
     /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,
     /// little-endian, y before z.
     pub(crate) fn rows(&self, origin: [u64; 3], sides: [u32; 3]) -> impl Iterator<Item = &[u8]> {
@@ -82,7 +104,8 @@ pub fn sample_bytes(extent: [u64; 3], element: ElementType) -> Option<u64> {
 pub struct WriteOptions {
     /// Order of the bytes of a sample; `None` for that of the source.
     pub byte_order: Option<ByteOrder>,
-    /// Whether samples are compressed with gzip, which only NRRD files can be.
+    /// Whether samples are compressed: with gzip in NRRD, with zlib in MetaImage. NIfTI's names say it themselves, by
+    /// `.gz` at their end.
     pub gzip: bool,
 }
 

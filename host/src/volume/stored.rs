@@ -248,6 +248,11 @@ impl StoredSink {
         Self { writer, path: path.to_owned(), header: header.clone(), byte_order, written: 0, next: None }
     }
 
+    /// Puts bytes before the values, compressed with them; they are not counted as values.
+    pub(super) fn write_head(&mut self, head: &[u8]) -> Result<(), WriteError> {
+        self.writer.write_all(head).map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
+    }
+
     /// Lets `file` appear at `path` when the samples have, and takes the samples back if it cannot.
     pub(super) fn followed_by(self, file: AtomicFile, path: &Path) -> Self {
         Self { next: Some((file, path.to_owned())), ..self }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::format::Format;
 use super::input::Input;
-use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
+use super::slices::{self, Pattern};
+use super::{Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
 
 /// A file of a data set that is being read.
 ///
@@ -62,13 +63,15 @@ impl std::fmt::Debug for Created {
 
 /// Opens a data set of any format. With a layout the file is taken as raw, whatever its name.
 ///
+/// A folder, or a pattern such as `scan_%04d.png` or `scan_*.tif`, stands for files of one slice each.
+///
 /// # Errors
 /// [`ReadError`]: no format that is known, a header that is none, a file of another length than its header says.
 ///
 /// Cost: that of reading the header. A pipe is copied to a temporary file as it is read.
 pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
-    match layout {
-        Some(layout) => raw::open(Input::open(path)?, layout),
+    match layout.copied() {
+        Some(layout) => open_each(path, true, move |file| raw::open(Input::open(file)?, &layout)),
         None => open_by_format(path, None),
     }
 }
@@ -82,6 +85,26 @@ pub fn open_known(path: &Path, layout: &RawLayout) -> Result<Box<dyn Source>, Re
 }
 
 fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
+    if let Some(format) = format::of_path(path).filter(|format| format.takes_folders()) {
+        return format.open(path);
+    }
+    let layout = layout.copied();
+    open_each(path, false, move |file| open_file(file, layout.as_ref()))
+}
+
+/// Opens a file with `open`, or the stack of files that a path stands for.
+fn open_each(
+    path: &Path,
+    is_any: bool,
+    open: impl Fn(&Path) -> Result<Box<dyn Source>, ReadError> + Send + 'static,
+) -> Result<Box<dyn Source>, ReadError> {
+    match slices::files(path, is_any)? {
+        Some(files) => slices::open(path, files, Box::new(open)),
+        None => open(path),
+    }
+}
+
+fn open_file(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
     if let Some(format) = format::of_path(path) {
         return format.open(path);
     }
@@ -95,14 +118,19 @@ fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Sou
 
 /// Begins a file in the format of the path's extension, raw for an unknown one.
 ///
+/// A pattern such as `scan_%04d.png` or `scans/*.tif` stands for a file for each slice, numbered from 0.
+///
 /// # Errors
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
-    let format: &dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
-    if options.gzip && !matches!(format.format(), FileFormat::Nrrd | FileFormat::VtkXml | FileFormat::Zarr) {
+    let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
+    if options.gzip && !format.compresses(path) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }
-    format.create(path, header, options)
+    match Pattern::of_path(path) {
+        Some(pattern) if !format.takes_folders() => slices::create(path, pattern, format, header, *options),
+        _ => format.create(path, header, options),
+    }
 }
 
 /// A volume in memory, as a source.

@@ -87,7 +87,8 @@ fn files_are_known_by_name_then_by_their_first_bytes() {
     assert_eq!(error.kind(), Fault::Io);
     assert_eq!(error.to_string(), "/no/such/volume.nrrd: cannot read: No such file or directory");
     let error = read(Path::new("/"), None).unwrap_err();
-    assert_eq!((error.kind(), error.to_string().as_str()), (Fault::Io, "/: cannot read: is a directory"));
+    assert_eq!(error.kind(), Fault::Data);
+    assert!(error.to_string().starts_with("/: there are no slices"), "{error}");
 }
 
 #[test]
@@ -146,11 +147,11 @@ fn rank_is_that_of_the_source_or_what_is_needed() {
     let mut volume = generate(Kind::Constant, [4, 3, 1], ElementType::U8, 1);
     assert_eq!(volume.rank(), 2);
     for (rank, expected) in [(0, 2), (1, 2), (2, 2), (3, 3), (200, 3)] {
-        volume.metadata.rank = rank;
+        volume.metadata = Metadata::plain(rank, FileFormat::Raw);
         assert_eq!(volume.rank(), expected);
     }
     volume.extent = [1, 1, 1];
-    volume.metadata.rank = 0;
+    volume.metadata.axes.clear();
     assert_eq!(volume.rank(), 1);
     assert_eq!(sample_bytes([u64::MAX, 1, 1], ElementType::U16), None);
 }

@@ -1,6 +1,7 @@
 //! A program that is killed, or whose disk is full, leaves the old file or none.
 
-use std::process::{Command, Stdio};
+use std::io::{Read, Write};
+use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -88,4 +89,97 @@ fn a_full_disk_is_told_and_left_clean() {
         "{}",
         outcome.stderr()
     );
+}
+
+/// Sends a signal by its name.
+fn send(child: &Child, signal: &str) {
+    let mut kill = Command::new("kill");
+    assert!(kill.args(["-s", signal, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// Waits until the program has taken bytes from a pipe: it listens to signals by then.
+fn begun(command: &mut Command) -> Child {
+    let mut child = command.stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // More than a pipe holds.
+    child.stdin.as_mut().unwrap().write_all(&noise(1 << 20, 3)).unwrap();
+    child
+}
+
+#[test]
+fn a_signal_ends_the_program_and_leaves_no_file() {
+    let folder = Folder::new();
+    folder.write("old.raw", "old");
+    folder.write("old.wlift", "old");
+    let before = folder.everything();
+    for signal in ["INT", "TERM", "HUP"] {
+        for line in [
+            "convert /dev/stdin old.raw --extent 2097152 --type u8",
+            "convert /dev/stdin new.nhdr --extent 2097152 --type u8 --gzip",
+            "compress /dev/stdin old.wlift --extent 2097152 --type u8",
+            "compress /dev/stdin new.wlift --extent 2097152 --type u8",
+            "tables /dev/stdin --extent 2097152 --type u8 --svg new.svg",
+        ] {
+            let mut child = begun(folder.command().args(line.split(' ')));
+            send(&child, signal);
+            let input = child.stdin.take();
+            let output = child.wait_with_output().unwrap();
+            drop(input);
+            assert_eq!(output.status.code(), Some(130), "{line}, {signal}: {output:?}");
+            assert!(output.stderr.is_empty() && folder.everything() == before, "{line}, {signal}");
+        }
+    }
+}
+
+#[test]
+fn a_signal_ends_a_program_that_computes_or_waits_for_a_reader() {
+    let (folder, mut compress) = prepared();
+    assert!(compress.status().unwrap().success());
+    folder.write("out.raw", "old");
+    folder.run("decompress a.wlift whole.raw").silent();
+    let before = folder.everything();
+    for line in ["compress whole.raw a.wlift --extent 96x96x96 --type u16", "decompress a.wlift out.raw"] {
+        let mut child = folder.command().args(line.split(' ')).spawn().unwrap();
+        sleep(Duration::from_millis(30));
+        send(&child, "INT");
+        let code = child.wait().unwrap().code();
+        // On a fast machine it may be done already, or not yet listening.
+        if code == Some(130) {
+            assert!(folder.everything() == before, "{line}");
+        }
+    }
+    let mut command = folder.command();
+    command.args(["convert", "whole.raw", "/dev/stdout", "--extent", "96x96x96", "--type", "u16"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0; 100]).unwrap();
+    send(&child, "TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn ignored_signals_stay_ignored() {
+    let folder = Folder::new();
+    folder.write("in.raw", noise(1 << 21, 3));
+    let convert = "wavelift convert /dev/stdin out.raw --extent 2097152 --type u8";
+    let line =
+        format!("trap '' HUP; (head -c 1000000 in.raw; kill -HUP 0; tail -c +1000001 in.raw) | {convert}");
+    folder.shell(&format!("setsid --wait sh -c \"{line}\"")).silent();
+    assert!(folder.read("out.raw") == folder.read("in.raw"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn progress_is_shown_at_a_terminal_only() {
+    let folder = Folder::new();
+    // The second piece of it waits.
+    folder.write("in.raw", noise(5 << 20, 3));
+    let line = "(cat in.raw; sleep 1) | wavelift convert /dev/stdin out.raw --extent 5242880 --type u8";
+    folder.shell(line).silent();
+    if !folder.shell("script --version").stderr().is_empty() {
+        println!("skipped: no program `script` that makes a terminal");
+        return;
+    }
+    let outcome = folder.shell(&format!("script --quiet --return --command '{line}' /dev/null")).ok();
+    for part in ["converting", " 80 %", "B/s", "left"] {
+        assert!(outcome.stdout().contains(part), "{part} expected: {}", outcome.stdout());
+    }
 }

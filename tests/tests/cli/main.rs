@@ -1,6 +1,7 @@
 //! The command line: what it takes, what it says, which exit codes it ends with, and that no fault leaves half a file.
 
 mod bounds;
+mod convert;
 mod faults;
 mod files;
 mod formats;
@@ -10,6 +11,7 @@ mod parts;
 #[cfg(unix)]
 mod pipes;
 mod program;
+mod repair;
 mod reports;
 mod run;
 mod surface;

@@ -35,10 +35,12 @@ fn within(volume: &Volume, tolerance: Option<Tolerance>) -> (Stored, Report, Vol
 pub(super) fn within_options(volume: &Volume, options: &CompressOptions) -> (Stored, Report, Volume) {
     let (stored, report) = store(volume, options);
     let back = read(&stored.path, &Part::default()).unwrap();
-    let error = report.index.bound.map_or(0.0, |bound| bound.error);
+    let error = channel(&report).bound.map_or(0.0, |bound| bound.error);
     let deviation = Deviation::of(volume.element, &volume.samples, &back.samples, error);
     assert_eq!(deviation.beyond, None, "{deviation:?} {error}");
-    assert_eq!(Container::open(&stored.path).unwrap().index(), &report.index);
+    let container = Container::open(&stored.path).unwrap();
+    assert_eq!((container.head(), container.step(0).unwrap()), (&report.head, &report.steps[0]));
+    assert_eq!(container.summaries().unwrap(), report.summaries);
     (stored, report, back)
 }
 
@@ -60,12 +62,12 @@ fn the_wider_the_bound_the_smaller_the_file() {
     let volume = reals([32, 16, 8], &field());
     let sizes = [0.1, 1e-2, 1e-3, 1e-4].map(|fraction| {
         let (_, report, _) = within(&volume, Some(Tolerance::relative(fraction).unwrap()));
-        assert!(matches!(report.index.form, Form::Scaled { .. }));
-        assert_eq!((report.index.exceptions(), report.index.exact_bricks()), (0, 0));
+        assert!(matches!(channel(&report).form, Form::Scaled { .. }));
+        assert_eq!((summary(&report).exceptions, summary(&report).exact_bricks), (0, 0));
         report.container_bytes
     });
     let (_, exact, back) = within(&volume, None);
-    assert_eq!((&exact.index.form, back), (&Form::Exact, volume));
+    assert_eq!((&channel(&exact).form, back), (&Form::Exact, volume));
     assert!(sizes.is_sorted_by(|a, b| a < b) && sizes[3] < exact.container_bytes, "{sizes:?} {exact:?}");
 }
 
@@ -86,7 +88,7 @@ fn odd_values_come_back_bit_for_bit() {
         samples[37 * place + 5] = value;
     }
     let (_, report, back) = within(&reals([32, 16, 8], &samples), absolute(1e-3));
-    assert_eq!(report.index.exceptions(), odd.len() as u64);
+    assert_eq!(summary(&report).exceptions, odd.len() as u64);
     let back: Vec<f32> = samples_of(&back.samples).collect();
     for (place, value) in odd.into_iter().enumerate() {
         assert_eq!(back[37 * place + 5].to_bits(), value.to_bits());
@@ -110,7 +112,12 @@ fn a_brick_full_of_exceptions_is_exact() {
         error: 1e-3,
     };
     let grid = Grid::new(volume.extent, [8, 8, 4]).unwrap();
-    let kept = |index| brick::Worker::new().encode(&volume, grid.brick(index), &coding).unwrap().exceptions;
+    let kept = |index| {
+        let Brick { origin, sides } = grid.brick(index);
+        let bytes = volume.cut(origin, sides);
+        let samples = brick::Samples { element: volume.element, sides, bytes: &bytes };
+        brick::Worker::new().encode(samples, &coding).unwrap().exceptions
+    };
     assert_eq!((kept(0), kept(1)), (None, Some(Kept::default())));
 }
 
@@ -121,8 +128,8 @@ fn a_mask_costs_little_and_stays_at_every_level() {
         *sample = if i < 2048 { f32::NAN } else { 1e20 };
     }
     let (stored, report, _) = within(&reals([32, 16, 8], &samples), Some(Tolerance::absolute(1e-3).unwrap()));
-    assert_eq!((report.index.exceptions(), report.index.readable_levels), (12 * 128, 2));
-    let coarse = read(&stored.path, &Part { level: 1, region: None }).unwrap();
+    assert_eq!((summary(&report).exceptions, channel(&report).readable_levels), (12 * 128, 2));
+    let coarse = read(&stored.path, &level(1)).unwrap();
     assert_eq!(coarse.extent, [16, 8, 4]);
     for (i, sample) in samples_of::<f32>(&coarse.samples).enumerate() {
         match i % 16 {
@@ -131,8 +138,7 @@ fn a_mask_costs_little_and_stays_at_every_level() {
             _ => assert!(sample.abs() < 2.0, "{sample}"),
         }
     }
-    let region = Region { from: [5, 3, 4], to: [21, 12, 7] };
-    let part = read(&stored.path, &Part { level: 0, region: Some(region) }).unwrap();
+    let part = read(&stored.path, &region(0, [5, 3, 4], [21, 12, 7])).unwrap();
     let first: Vec<f32> = samples_of(&part.samples).take(9).collect();
     assert!(first[..7] == [1e20; 7] && first[7].abs() < 2.0 && first[8].abs() < 2.0);
 }
@@ -143,8 +149,8 @@ fn floats_on_a_scale_have_levels_with_every_wavelet() {
     for wavelet in ["none", "haar", "linear"] {
         let options = CompressOptions { tolerance: absolute(1e-4), ..small_bricks(wavelet, None) };
         let (stored, report) = store(&volume, &options);
-        assert_eq!(report.index.readable_levels, 2);
-        let coarse = read(&stored.path, &Part { level: 2, region: None }).unwrap();
+        assert_eq!(channel(&report).readable_levels, 2);
+        let coarse = read(&stored.path, &level(2)).unwrap();
         assert!(samples_of::<f32>(&coarse.samples).all(|sample| (sample - 3.0).abs() < 0.02));
     }
 }
@@ -173,7 +179,7 @@ fn a_relative_bound_of_nothing_keeps_every_bit() {
     for samples in [[7.25_f32; 64], [f32::NAN; 64], [f32::INFINITY; 64], [-0.0; 64]] {
         let volume = reals([8, 8, 1], &samples);
         let (_, report, back) = within(&volume, relative);
-        assert_eq!(report.index.bound.map(|bound| bound.error), Some(0.0));
+        assert_eq!(channel(&report).bound.map(|bound| bound.error), Some(0.0));
         assert_eq!(back, volume);
     }
 }
@@ -187,7 +193,7 @@ fn integers_and_decimals_kept_as_floats_are_integers() {
         let volume = reals([64, 32, 16], &samples);
         let (stored, report) = store(&volume, &CompressOptions::default());
         assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume);
-        assert_ne!(report.index.form, Form::Exact, "{unit} {zero}");
+        assert_ne!(channel(&report).form, Form::Exact, "{unit} {zero}");
         let smallest = if zero.is_sign_negative() { 8 } else { 2 } * volume.samples.len() as u64 / 8;
         assert!(report.container_bytes < smallest, "{unit} {zero}: {}", report.container_bytes);
     }
@@ -204,8 +210,8 @@ fn few_odd_values_among_integers_are_kept() {
     }
     let volume = reals([64, 32, 16], &samples);
     let (stored, report) = store(&volume, &CompressOptions::default());
-    assert!(matches!(report.index.form, Form::Scaled { integers: wavelift_kernel::SampleType::I16, .. }));
-    assert_eq!(report.index.exceptions(), 6);
+    assert!(matches!(channel(&report).form, Form::Scaled { integers: wavelift_kernel::SampleType::I16, .. }));
+    assert_eq!(summary(&report).exceptions, 6);
     assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume);
 }
 
@@ -213,12 +219,12 @@ fn few_odd_values_among_integers_are_kept() {
 fn integers_are_coded_in_steps() {
     let volume = generate(Kind::Waves, [32, 16, 8], ElementType::U16, 1);
     let (_, exact, back) = within(&volume, absolute(0.99));
-    assert_eq!((&exact.index.form, back), (&Form::Exact, volume.clone()));
+    assert_eq!((&channel(&exact).form, back), (&Form::Exact, volume.clone()));
     let (stored, report, back) = within(&volume, absolute(2.5));
-    assert!(matches!(report.index.form, Form::Steps(5) | Form::Near(2)));
-    assert_eq!(report.index.readable_levels, 2);
+    assert!(matches!(channel(&report).form, Form::Steps(5) | Form::Near(2)));
+    assert_eq!(channel(&report).readable_levels, 2);
     assert!(report.container_bytes < exact.container_bytes && back != volume);
-    let coarse = read(&stored.path, &Part { level: 1, region: None }).unwrap();
+    let coarse = read(&stored.path, &level(1)).unwrap();
     assert_eq!(coarse.extent, [16, 8, 4]);
 }
 
@@ -227,22 +233,17 @@ fn damage_to_exceptions_is_noticed() {
     let mut samples = field();
     samples[100] = f32::NAN;
     let (stored, report) = store(&reals([32, 16, 8], &samples), &with(absolute(1e-2)));
-    assert_eq!(report.index.exceptions(), 1);
-    let lies: [&dyn Fn(&mut Index); 3] = [
-        &|index| {
-            index.bricks.iter_mut().flat_map(|brick| &mut brick.exceptions).for_each(|kept| kept.samples += 1)
+    assert_eq!(summary(&report).exceptions, 1);
+    let lies: [&dyn Fn(&mut Told); 3] = [
+        &|told| {
+            told.labels.iter_mut().flat_map(|label| &mut label.exceptions).for_each(|kept| kept.samples += 1)
         },
-        &|index| index.bricks.iter_mut().for_each(|brick| brick.exceptions = None),
-        &|index| index.form = Form::Exact,
+        &|told| told.labels.iter_mut().for_each(|label| label.exceptions = None),
+        &|told| told.step.channels[0].form = Form::Exact,
     ];
     for lie in lies {
-        std::fs::write(&stored.path, with_index(&stored.bytes, lie)).unwrap();
+        std::fs::write(&stored.path, with_lies(&stored.bytes, lie)).unwrap();
         assert_eq!(read(&stored.path, &Part::default()).unwrap_err().kind(), Fault::Data);
     }
-    for at in (0..stored.bytes.len()).step_by(7) {
-        let mut bytes = stored.bytes.clone();
-        bytes[at] ^= 1 << (at % 8);
-        std::fs::write(&stored.path, bytes).unwrap();
-        assert_eq!(read(&stored.path, &Part::default()).unwrap_err().kind(), Fault::Data);
-    }
+    damage_is_noticed(&stored, 7);
 }

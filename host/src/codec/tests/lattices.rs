@@ -4,8 +4,6 @@ use super::bounds::{absolute, reals, within_options};
 use super::*;
 use crate::bound::Deviation;
 
-const ALL: Part = Part { level: 0, region: None };
-
 /// Bricks, the last along each axis of one sample.
 const EXTENT: [u64; 3] = [65, 33, 17];
 const SIDES: [u32; 3] = [32, 16, 16];
@@ -43,13 +41,13 @@ fn volumes() -> [(Volume, f64, f64); 2] {
 fn smooth_volumes_are_lattices_if_the_bound_is_wide() {
     for (volume, wide, narrow) in volumes() {
         let (_, report, _) = within_options(&volume, &options(wide));
-        assert!(report.index.form.slack().is_some(), "{:?}", report.index.form);
-        assert_eq!((report.index.wavelet, report.index.readable_levels), (None, 4));
+        assert!(channel(&report).form.slack().is_some(), "{:?}", channel(&report).form);
+        assert_eq!((channel(&report).wavelet, channel(&report).readable_levels), (None, 4));
         let transformed = CompressOptions { wavelet: "linear".parse().unwrap(), ..options(wide) };
         let fast = CompressOptions { effort: Effort::Fast, ..options(wide) };
         for rival in [transformed, fast, options(narrow)] {
             let (_, other, _) = within_options(&volume, &rival);
-            assert_eq!(other.index.form.slack(), None);
+            assert_eq!(channel(&other).form.slack(), None);
             assert!(report.container_bytes < other.container_bytes);
         }
     }
@@ -60,14 +58,13 @@ fn a_level_of_a_lattice_is_every_so_many_samples() {
     for (volume, error, _) in volumes() {
         let (stored, _, whole) = within_options(&volume, &options(error));
         let sides = EXTENT.map(|side| side as u32);
-        for level in 1..=4 {
-            let coarse = read(&stored.path, &Part { level, region: None }).unwrap();
-            let thinned = scaled::thin(volume.element, sides, level, &whole.samples);
-            assert_eq!(coarse.samples, thinned, "{level}");
+        for number in 1..=4 {
+            let coarse = read(&stored.path, &level(number)).unwrap();
+            let thinned = scaled::thin(volume.element, sides, number, &whole.samples);
+            assert_eq!(coarse.samples, thinned, "{number}");
         }
-        let region = Region { from: [30, 7, 3], to: [65, 33, 17] };
-        let part = read(&stored.path, &Part { level: 1, region: Some(region) }).unwrap();
-        let coarse = read(&stored.path, &Part { level: 1, region: None }).unwrap();
+        let part = read(&stored.path, &region(1, [30, 7, 3], [65, 33, 17])).unwrap();
+        let coarse = read(&stored.path, &level(1)).unwrap();
         assert_eq!(part.extent, [18, 13, 7]);
         assert_eq!(part.samples[..4], coarse.samples[sample_at(&coarse, [15, 4, 2])..][..4]);
     }
@@ -87,12 +84,12 @@ fn odd_values_of_a_lattice_are_kept_at_every_level() {
         samples[16 * place] = value;
     }
     let (stored, report, _) = within_options(&reals(EXTENT, &samples), &options(0.03));
-    assert_eq!((report.index.exceptions(), report.index.form.slack()), (4, Some(7)));
-    for level in 0..=4 {
-        let read = read(&stored.path, &Part { level, region: None }).unwrap();
+    assert_eq!((summary(&report).exceptions, channel(&report).form.slack()), (4, Some(7)));
+    for number in 0..=4 {
+        let read = read(&stored.path, &level(number)).unwrap();
         for (place, value) in odd.into_iter().enumerate() {
-            let at = 4 * ((16 * place) >> level);
-            assert_eq!(read.samples[at..][..4], value.to_le_bytes(), "{value} at {level}");
+            let at = 4 * ((16 * place) >> number);
+            assert_eq!(read.samples[at..][..4], value.to_le_bytes(), "{value} at {number}");
         }
     }
 }
@@ -111,9 +108,9 @@ fn extremes_stay_within_their_type() {
         for slack in [1, 2, 100, 60_000, steps::MOST_SLACK] {
             let (transform, form) = (Transform::NONE, Form::Near(slack));
             let coding = brick::Coding { effort: Effort::Default, transform, form, error: slack.into() };
-            let brick = Grid::new(volume.extent, [16, 8, 4]).unwrap().brick(0);
+            let samples = brick::Samples { element, sides: [16, 8, 4], bytes: &volume.samples };
             // The worker compares.
-            assert!(brick::Worker::new().encode(&volume, brick, &coding).is_ok(), "{element} {slack}");
+            assert!(brick::Worker::new().encode(samples, &coding).is_ok(), "{element} {slack}");
         }
         for error in [1.0, 2.9, 1e5, 1e30] {
             within_options(&volume, &CompressOptions { brick: None, ..options(error) });
@@ -134,27 +131,33 @@ fn bricks_of_another_slack_than_the_index_says_are_refused() {
         for error in [wide, narrow] {
             let none = CompressOptions { wavelet: Choice::None, ..options(error) };
             let (stored, report, _) = within_options(&volume, &none);
-            let form = &report.index.form;
+            let form = &channel(&report).form;
             for slack in [0, 1, 5, 20, 4000].into_iter().filter(|slack| *slack != form.slack().unwrap_or(0)) {
-                let lie = with_index(&stored.bytes, |index| index.form = with_slack(form, slack));
+                let lie =
+                    with_lies(&stored.bytes, |told| told.step.channels[0].form = with_slack(form, slack));
                 std::fs::write(&stored.path, lie).unwrap();
-                for level in [0, 1, 4] {
-                    let error = read(&stored.path, &Part { level, region: None }).unwrap_err();
-                    assert_eq!(error.kind(), Fault::Data, "{form:?} as of {slack} at {level}");
+                for number in [0, 1, 4] {
+                    let error = read(&stored.path, &level(number)).unwrap_err();
+                    assert_eq!(error.kind(), Fault::Data, "{form:?} as of {slack} at {number}");
                 }
             }
         }
         let (stored, report, _) = within_options(&volume, &options(wide));
-        let lies: [&dyn Fn(&mut Index); 5] = [
-            &|index| (index.wavelet, index.levels) = (Some(wavelift_kernel::Wavelet::Haar), 3),
-            &|index| index.form = Form::Near(0),
-            &|index| index.form = Form::Near(u32::MAX),
-            &|index| index.readable_levels = 5,
-            &|index| index.element = ElementType::I64,
+        let lies: [&dyn Fn(&mut Told); 5] = [
+            &|told| told.step.channels[0].wavelet = Some(wavelift_kernel::Wavelet::Haar),
+            &|told| told.step.channels[0].form = Form::Near(0),
+            &|told| told.step.channels[0].form = Form::Near(u32::MAX),
+            &|told| told.step.channels[0].readable_levels = 5,
+            &|told| told.head.element = ElementType::I64,
         ];
         for lie in lies {
-            std::fs::write(&stored.path, with_index(&stored.bytes, lie)).unwrap();
-            assert_eq!(read(&stored.path, &ALL).unwrap_err().kind(), Fault::Data, "{:?}", report.index.form);
+            std::fs::write(&stored.path, with_lies(&stored.bytes, lie)).unwrap();
+            assert_eq!(
+                read(&stored.path, &level(0)).unwrap_err().kind(),
+                Fault::Data,
+                "{:?}",
+                channel(&report).form
+            );
         }
     }
 }
@@ -163,14 +166,13 @@ fn bricks_of_another_slack_than_the_index_says_are_refused() {
 fn damage_to_lattices_is_noticed() {
     for (volume, error, _) in volumes() {
         let (stored, report, whole) = within_options(&volume, &options(error));
-        let deviation =
-            Deviation::of(volume.element, &volume.samples, &whole.samples, report.index.bound.unwrap().error);
+        let deviation = Deviation::of(
+            volume.element,
+            &volume.samples,
+            &whole.samples,
+            channel(&report).bound.unwrap().error,
+        );
         assert_eq!(deviation.beyond, None);
-        for at in (0..stored.bytes.len()).step_by(97) {
-            let mut bytes = stored.bytes.clone();
-            bytes[at] ^= 1 << (at % 8);
-            std::fs::write(&stored.path, bytes).unwrap();
-            assert_eq!(read(&stored.path, &ALL).unwrap_err().kind(), Fault::Data);
-        }
+        damage_is_noticed(&stored, 97);
     }
 }

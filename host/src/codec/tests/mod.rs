@@ -1,6 +1,7 @@
 //! A volume to a container and back: every type, region, level, and every damaged byte.
 
 mod bounds;
+mod damage;
 mod lattices;
 
 use std::num::NonZeroUsize;
@@ -31,6 +32,26 @@ fn store(volume: &Volume, options: &CompressOptions) -> (Stored, Report) {
 
 fn read(path: &std::path::Path, part: &Part) -> Result<Volume, ContainerError> {
     Container::open(path)?.read(part, None, &|_| ())
+}
+
+/// How the only component of the only time step is coded.
+fn channel(report: &Report) -> &Channel {
+    &report.steps[0].channels[0]
+}
+
+/// What its samples are like.
+fn summary(report: &Report) -> &Summary {
+    &report.summaries[0][0]
+}
+
+/// A level of everything.
+fn level(level: u8) -> Part {
+    Part { level, ..Part::default() }
+}
+
+/// A region at a level.
+fn region(level: u8, from: [u64; 3], to: [u64; 3]) -> Part {
+    Part { level, region: Some(Region { from, to }), ..Part::default() }
 }
 
 fn small_bricks(wavelet: &str, levels: Option<u8>) -> CompressOptions {
@@ -81,8 +102,7 @@ fn regions_are_those_of_the_whole() {
     for (from, to) in
         [([0, 0, 0], [1, 1, 1]), ([7, 7, 3], [9, 9, 5]), ([18, 16, 8], [19, 17, 9]), ([3, 0, 4], [17, 17, 8])]
     {
-        let part = Part { level: 0, region: Some(Region { from, to }) };
-        let read = read(&stored.path, &part).unwrap();
+        let read = read(&stored.path, &region(0, from, to)).unwrap();
         assert_eq!(read.samples, crop(&volume, from, to), "{from:?} {to:?}");
     }
 }
@@ -92,8 +112,8 @@ fn levels_are_seamless_and_in_scale() {
     let constant = generate(Kind::Constant, [21, 17, 9], ElementType::U16, 3);
     for wavelet in wavelift_kernel::Wavelet::ALL {
         let (stored, report) = store(&constant, &small_bricks(wavelet.name(), None));
-        assert_eq!((report.index.levels, report.index.readable_levels), (3, 2));
-        let coarse = read(&stored.path, &Part { level: 2, region: None }).unwrap();
+        assert_eq!((channel(&report).levels, channel(&report).readable_levels), (3, 2));
+        let coarse = read(&stored.path, &level(2)).unwrap();
         assert_eq!(coarse.extent, [6, 5, 3]);
         // The low-pass part is made of integers; after six splits one unit of it stands for gain^-6 samples.
         let (numerator, denominator) = wavelet.low_pass_gain();
@@ -107,25 +127,23 @@ fn levels_are_seamless_and_in_scale() {
     }
     let waves = generate(Kind::Waves, [21, 17, 9], ElementType::U16, 3);
     let (stored, _) = store(&waves, &small_bricks("haar", None));
-    let coarse = read(&stored.path, &Part { level: 1, region: None }).unwrap();
-    let region = Region { from: [3, 8, 2], to: [14, 17, 5] };
-    let part = read(&stored.path, &Part { level: 1, region: Some(region) }).unwrap();
+    let coarse = read(&stored.path, &level(1)).unwrap();
+    let part = read(&stored.path, &region(1, [3, 8, 2], [14, 17, 5])).unwrap();
     assert_eq!((part.extent, part.samples), ([5, 5, 2], crop(&coarse, [2, 4, 1], [7, 9, 3])));
 }
 
 #[test]
 fn a_volume_without_a_transform_has_levels_too() {
     let waves = generate(Kind::Waves, [21, 17, 9], ElementType::U16, 3);
-    let level = Part { level: 1, region: None };
     let [none, linear] = ["none", "linear"].map(|wavelet| {
         let (stored, report) = store(&waves, &small_bricks(wavelet, None));
-        assert_eq!(report.index.readable_levels, 2);
-        read(&stored.path, &level).unwrap()
+        assert_eq!(channel(&report).readable_levels, 2);
+        read(&stored.path, &level(1)).unwrap()
     });
     assert_eq!(none, linear);
     let wide = generate(Kind::Waves, [21, 17, 9], ElementType::U64, 3);
     let (stored, _) = store(&wide, &small_bricks("none", None));
-    assert_eq!(read(&stored.path, &level).unwrap_err().kind(), Fault::Usage);
+    assert_eq!(read(&stored.path, &level(1)).unwrap_err().kind(), Fault::Usage);
 }
 
 #[test]
@@ -138,23 +156,23 @@ fn few_values_are_packed_if_that_is_smaller() {
             sample.fill(value);
         }
         let (stored, report) = store(&volume, &small_bricks("auto", None));
-        assert_eq!(report.index.form.values().map(Values::count), Some(4), "{element}");
+        assert_eq!(channel(&report).form.values().map(Values::count), Some(4), "{element}");
         // Two bits a sample, and what a brick costs.
         assert!(
-            report.container_bytes < 32 * 16 * 8 / 4 + 64 * report.index.grid.bricks() + 200,
+            report.container_bytes < 32 * 16 * 8 / 4 + 76 * summary(&report).bricks.len() as u64 + 200,
             "{report:?}"
         );
         assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume);
     }
     let waves = generate(Kind::Waves, [32, 16, 8], ElementType::U8, 3);
-    assert_eq!(store(&waves, &small_bricks("auto", None)).1.index.form, Form::Exact);
+    assert_eq!(channel(&store(&waves, &small_bricks("auto", None)).1).form, Form::Exact);
 }
 
 #[test]
 fn axes_left_out_of_a_region_are_whole() {
     let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
     let (stored, _) = store(&volume, &small_bricks("linear", None));
-    let part = Part { level: 0, region: Some("2:5".parse().unwrap()) };
+    let part = Part { region: Some("2:5".parse().unwrap()), ..Part::default() };
     let read = read(&stored.path, &part).unwrap();
     assert_eq!((read.extent, read.samples), ([3, 17, 9], crop(&volume, [2, 0, 0], [5, 17, 9])));
 }
@@ -164,8 +182,9 @@ fn parts_that_do_not_exist_are_the_users_fault() {
     let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
     let (stored, _) = store(&volume, &small_bricks("linear", None));
     for (level, region) in [(3, None), (0, Some("0:20,0:1,0:1")), (2, Some("1:3,0:1,0:1"))] {
-        let part = Part { level, region: region.map(|region| region.parse().unwrap()) };
-        assert_eq!(read(&stored.path, &part).unwrap_err().kind(), Fault::Usage, "{level} {region:?}");
+        let region = region.map(|region: &str| region.parse().unwrap());
+        let part = Part { level, region, ..Part::default() };
+        assert_eq!(read(&stored.path, &part).unwrap_err().kind(), Fault::Usage, "{part:?}");
     }
     assert!("1:1,0:1,0:1".parse::<Region>().is_err());
     assert!("0:1,0:1,0:1,0:1".parse::<Region>().is_err());
@@ -191,47 +210,97 @@ fn scaled() -> Form {
     Form::Scaled { scale: Scale::try_from((1.0, 0)).unwrap(), integers: wavelift_kernel::SampleType::I16 }
 }
 
-/// A container whose index has been replaced, with checksums that are right.
-fn with_index(bytes: &[u8], change: impl Fn(&mut Index)) -> Vec<u8> {
-    let footer = bytes.len() - 32;
-    let position = u64::from_le_bytes(bytes[footer..footer + 8].try_into().unwrap());
-    let mut index: Index = postcard::from_bytes(&bytes[position as usize..footer]).unwrap();
-    change(&mut index);
-    let index = postcard::to_allocvec(&index).unwrap();
-    let mut changed = bytes[..position as usize].to_vec();
-    changed.extend_from_slice(&index);
-    changed.extend_from_slice(&container::footer(position, &index));
-    changed
+/// What a container of one step says, to be told otherwise.
+struct Told {
+    head: Head,
+    step: Step,
+    labels: Vec<BrickLabel>,
+}
+
+/// A container that says something else, with checksums that are right.
+fn with_lies(bytes: &[u8], change: impl Fn(&mut Told)) -> Vec<u8> {
+    let container = Container::new(Box::new(bytes.to_vec())).unwrap();
+    let (head, step) = (container.head().clone(), container.step(0).unwrap().clone());
+    let (labels, stored): (Vec<_>, Vec<_>) = Scanner::new(&bytes)
+        .filter_map(|found| match found.unwrap().content {
+            Some(Content::Brick { label, stored }) => Some((label, stored)),
+            _ => None,
+        })
+        .unzip();
+    let mut told = Told { head, step, labels };
+    change(&mut told);
+    let mut lie = Vec::new();
+    let mut writer = writer::Writer::new(&mut lie, &told.head, container.metadata().unwrap()).unwrap();
+    writer.step(&told.step).unwrap();
+    for (label, stored) in told.labels.iter().zip(stored) {
+        writer.brick(&told.step, label, &stored, None).unwrap();
+    }
+    writer.end_step().unwrap();
+    writer.finish().unwrap();
+    lie
 }
 
 #[test]
-fn an_index_that_lies_is_refused() {
+fn records_that_lie_are_refused() {
     let volume = generate(Kind::Waves, [12, 9, 5], ElementType::U16, 3);
     let options = CompressOptions { brick: Some([64; 3]), ..small_bricks("none", None) };
     let (stored, report) = store(&volume, &options);
-    assert_eq!(report.index.grid.bricks(), 1);
-    let lies: [&dyn Fn(&mut Index); 14] = [
-        &|index| (index.levels, index.readable_levels) = (255, 255),
-        &|index| (index.wavelet, index.levels) = (Some(wavelift_kernel::Wavelet::Linear), 3),
-        &|index| index.readable_levels = 5,
-        &|index| index.element = ElementType::I16,
-        &|index| (index.element, index.readable_levels) = (ElementType::F32, 1),
-        &|index| index.grid.extent = [u64::MAX; 3],
-        &|index| index.grid.sides = [u32::MAX; 3],
-        &|index| index.bricks[0].lengths = vec![u32::MAX, 1],
-        &|index| index.bricks[0].exceptions = Some(Kept::default()),
-        &|index| index.form = Form::Steps(2),
-        &|index| index.form = Form::Steps(u64::MAX),
-        &|index| index.form = scaled(),
-        &|index| (index.element, index.form) = (ElementType::F32, scaled()),
-        &|index| index.bound = Some(Bound { error: f64::NAN, relative: None }),
+    assert_eq!(summary(&report).bricks.len(), 1);
+    let lies: [&dyn Fn(&mut Told); 17] = [
+        &|told| (told.step.channels[0].levels, told.step.channels[0].readable_levels) = (255, 255),
+        &|told| told.step.channels[0].wavelet = Some(wavelift_kernel::Wavelet::Linear),
+        &|told| told.step.channels[0].readable_levels = 5,
+        &|told| told.head.element = ElementType::I16,
+        &|told| (told.head.element, told.step.channels[0].readable_levels) = (ElementType::F32, 1),
+        &|told| told.head.extent = [u64::MAX; 3],
+        &|told| told.head.components = 2,
+        &|told| told.head.names = vec!["x".to_owned(), "y".to_owned()],
+        &|told| told.step.number = 1,
+        &|told| told.step.sides = [u32::MAX; 3],
+        &|told| told.labels[0].lengths = vec![u32::MAX, 1],
+        &|told| told.labels[0].place.brick = 1,
+        &|told| told.labels[0].exceptions = Some(Kept::default()),
+        &|told| told.step.channels[0].form = Form::Steps(u64::MAX),
+        &|told| told.step.channels[0].form = scaled(),
+        &|told| (told.head.element, told.step.channels[0].form) = (ElementType::F32, scaled()),
+        &|told| told.step.channels[0].bound = Some(Bound { error: f64::NAN, relative: None }),
     ];
     for (number, lie) in lies.into_iter().enumerate() {
-        std::fs::write(&stored.path, with_index(&stored.bytes, lie)).unwrap();
-        for level in [0, 1, 4, 64, 255] {
-            let error = read(&stored.path, &Part { level, region: None }).unwrap_err();
-            assert!(matches!(error.kind(), Fault::Data | Fault::Usage), "{number} at {level}: {error}");
-            assert!(level > 4 || error.kind() == Fault::Data, "{number} at {level}: {error}");
+        std::fs::write(&stored.path, with_lies(&stored.bytes, lie)).unwrap();
+        for asked in [0, 1, 4, 64, 255] {
+            let error = read(&stored.path, &level(asked)).unwrap_err();
+            assert!(matches!(error.kind(), Fault::Data | Fault::Usage), "{number} at {asked}: {error}");
+            assert!(asked > 4 || error.kind() == Fault::Data, "{number} at {asked}: {error}");
+        }
+    }
+}
+
+/// What is wrong with a file: that it cannot be opened, or all that [`Container::verify`] finds.
+fn faults(bytes: &[u8]) -> Vec<ContainerError> {
+    match Container::new(Box::new(bytes.to_vec())) {
+        Err(error) => vec![error],
+        Ok(container) => {
+            let found = Mutex::new(Vec::new());
+            container.verify(None, &|_| (), &|error| found.lock().unwrap().push(error)).unwrap();
+            found.into_inner().unwrap()
+        }
+    }
+}
+
+/// Damages every so many bytes: it is always noticed, and samples that are read all the same are right.
+fn damage_is_noticed(stored: &Stored, every: usize) {
+    assert!(faults(&stored.bytes).is_empty());
+    let read = |bytes: &[u8]| Container::new(Box::new(bytes.to_vec()))?.read(&Part::default(), None, &|_| ());
+    let whole = read(&stored.bytes).unwrap();
+    for at in (0..stored.bytes.len()).step_by(every) {
+        let mut bytes = stored.bytes.clone();
+        bytes[at] ^= 1 << (at % 8);
+        let faults = faults(&bytes);
+        assert!(!faults.is_empty() && faults.iter().all(|fault| fault.kind() == Fault::Data), "{at}");
+        match read(&bytes) {
+            Err(error) => assert_eq!(error.kind(), Fault::Data),
+            // Statistics and copies are not looked at to read samples.
+            Ok(read) => assert_eq!(read, whole, "{at}"),
         }
     }
 }
@@ -240,24 +309,11 @@ fn an_index_that_lies_is_refused() {
 fn every_damaged_byte_and_every_truncation_is_noticed() {
     let volume = generate(Kind::Blobs, [12, 9, 5], ElementType::U16, 3);
     let (stored, _) = store(&volume, &small_bricks("auto", None));
-    let damaged = |bytes: &[u8]| {
-        std::fs::write(&stored.path, bytes).unwrap();
-        let read = read(&stored.path, &Part::default());
-        let verified = Container::open(&stored.path).map(|container| {
-            let found = Mutex::new(0);
-            container.verify(None, &|_| (), &|_| *found.lock().unwrap() += 1).unwrap();
-            found.into_inner().unwrap()
-        });
-        assert_eq!(read.unwrap_err().kind(), Fault::Data);
-        assert!(!matches!(verified, Ok(0)));
-    };
-    for at in 0..stored.bytes.len() {
-        let mut bytes = stored.bytes.clone();
-        bytes[at] ^= 1 << (at % 8);
-        damaged(&bytes);
-        damaged(&stored.bytes[..at]);
+    damage_is_noticed(&stored, 1);
+    let longer = [stored.bytes.clone(), vec![0]].concat();
+    for bytes in (0..stored.bytes.len()).map(|len| &stored.bytes[..len]).chain([&longer[..]]) {
+        assert_eq!(faults(bytes)[0].kind(), Fault::Data);
     }
-    damaged(&[stored.bytes.clone(), vec![0]].concat());
 }
 
 #[test]
@@ -265,8 +321,8 @@ fn every_effort_comes_back() {
     let volume = generate(Kind::Waves, [40, 30, 20], ElementType::U16, 3);
     let bytes = Effort::ALL.map(|effort| {
         let (stored, report) = store(&volume, &CompressOptions { effort, ..CompressOptions::default() });
-        assert_eq!(report.index.effort, effort);
-        assert_eq!(Container::open(&stored.path).unwrap().index().effort, effort);
+        assert_eq!(channel(&report).effort, effort);
+        assert_eq!(Container::open(&stored.path).unwrap().step(0).unwrap().channels[0].effort, effort);
         assert_eq!(read(&stored.path, &Part::default()).unwrap(), volume);
         report.container_bytes
     });

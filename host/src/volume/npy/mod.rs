@@ -132,7 +132,7 @@ fn open(mut input: Input) -> Result<Stored, ReadError> {
     }
     let extent = RankedExtent::new(&axes).map_err(|cause| fault(NpyError::Extent(cause)))?;
     let origin = Origin { format: FileFormat::Npy, byte_order, fortran_order: entries.fortran_order };
-    let metadata = Metadata { rank: extent.rank(), source: origin, lines: Vec::new() };
+    let metadata = Metadata { source: origin, ..Metadata::plain(extent.rank(), FileFormat::Npy) };
     let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: false };
     Stored::new(input, Header::scalar(extent.axes(), element, metadata), place)
 }

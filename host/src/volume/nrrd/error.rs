@@ -54,10 +54,8 @@ pub enum NrrdError {
     /// Sizes that make no extent.
     #[error("field `sizes` of the header: {0}")]
     Extent(ExtentError),
-    /// An array that is no volume.
-    #[error(
-        "the array has {found} axes, a volume has 1 to 3: take one axis apart first, such as with `unu slice`"
-    )]
+    /// No axes, or too many.
+    #[error("the array has {found} axes, an NRRD file has 1 to 16")]
     Dimension {
         /// The value of `dimension`.
         found: u32,

@@ -7,10 +7,13 @@ use crate::volume::error::excerpt;
 use crate::volume::input::Input;
 use crate::volume::metadata::is_same_name;
 use crate::volume::stored::Encoding;
-use crate::volume::{ByteOrder, ElementType, HeaderLine, RankedExtent, ReadError};
+use crate::volume::{ByteOrder, ElementType, HeaderLine, ReadError};
 
 /// Longest header that is read. Headers have some hundred bytes, with a table of key/value pairs some hundred KiB.
 const HEADER_BYTES: u64 = 1 << 20;
+
+/// Most axes of a file; the Teem library has the same limit.
+const MAX_AXES: u32 = 16;
 
 /// Fields that extent, type and encoding determine; they are made anew when a header is written.
 const STRUCTURE: [&str; 10] = [
@@ -63,7 +66,7 @@ pub(super) enum ByteSkip {
 /// A header, understood.
 #[derive(Debug, PartialEq)]
 pub(super) struct Header {
-    pub(super) extent: RankedExtent,
+    pub(super) sizes: Vec<u64>,
     pub(super) element: ElementType,
     pub(super) byte_order: ByteOrder,
     pub(super) encoding: Encoding,
@@ -98,7 +101,7 @@ impl Header {
         });
         let mut fields = Fields { lines: numbered.collect::<Result<_, _>>()? };
 
-        let extent = fields.extent()?;
+        let sizes = fields.sizes()?;
         let element = fields.element()?;
         let encoding = fields.encoding()?;
         let byte_order = fields.byte_order(element)?;
@@ -117,7 +120,7 @@ impl Header {
         fields.take("number")?;
         fields.take("block size")?;
         let lines = fields.lines;
-        Ok(Self { extent, element, byte_order, encoding, data_file, line_skip, byte_skip, lines })
+        Ok(Self { sizes, element, byte_order, encoding, data_file, line_skip, byte_skip, lines })
     }
 }
 
@@ -170,10 +173,10 @@ impl Fields {
         self.take(field)?.ok_or(NrrdError::Missing { field })
     }
 
-    fn extent(&mut self) -> Result<RankedExtent, NrrdError> {
+    fn sizes(&mut self) -> Result<Vec<u64>, NrrdError> {
         let dimension = self.required("dimension")?;
         let rank: u32 = dimension.parse().map_err(|_| bad("dimension", &dimension, "a number from 1 up"))?;
-        if !(1..=3).contains(&rank) {
+        if !(1..=MAX_AXES).contains(&rank) {
             return Err(NrrdError::Dimension { found: rank });
         }
         let sizes = self.required("sizes")?;
@@ -182,7 +185,7 @@ impl Fields {
         if axes.len() as u64 != u64::from(rank) {
             return Err(bad("sizes", &sizes, "as many numbers as `dimension` says"));
         }
-        RankedExtent::new(&axes).map_err(NrrdError::Extent)
+        Ok(axes)
     }
 
     fn element(&mut self) -> Result<ElementType, NrrdError> {

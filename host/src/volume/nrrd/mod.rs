@@ -3,6 +3,7 @@
 //! Source: *Definition of the NRRD file format*, the Teem project. Axes are listed fastest first there too, so the
 //! first of `sizes` is x. Read and written are the encodings `raw` and `gzip`, attached and detached.
 
+mod axes;
 mod error;
 mod header;
 
@@ -10,15 +11,17 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use axes::{axes_of, kinds_of};
 pub use error::NrrdError;
 use header::{ByteSkip, is_structure, line_text, type_name};
 
 use super::format::{Format, has_extension};
 use super::input::Input;
+use super::rearranged::{ordered, ordered_sink};
 use super::stored::{Encoding, Place, Stored, StoredSink};
 use super::{
-    ByteOrder, Created, FileFormat, Header, HeaderLine, Metadata, Origin, ReadError, Source, WriteError,
-    WriteOptions, name_of,
+    Axis, ByteOrder, Created, ExtentError, FileFormat, Header, HeaderLine, Metadata, Origin, ReadError,
+    Source, WriteError, WriteOptions, name_of,
 };
 use crate::atomic::AtomicFile;
 
@@ -41,39 +44,50 @@ impl Format for Nrrd {
         Some(MAGIC)
     }
 
+    fn compresses(&self, _: &Path) -> bool {
+        true
+    }
+
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
-        Ok(Box::new(open(input)?))
+        open(input)
     }
 
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
-        if !header.is_scalar() {
-            let what = "several components or time steps".to_owned();
-            return Err(WriteError::CannotHold { path: path.to_owned(), format: self.format(), what });
-        }
         create(path, header, options)
     }
 }
 
-fn open(mut input: Input) -> Result<Stored, ReadError> {
-    let header = header::Header::read(&mut input)?;
-    let bytes = header.extent.samples() * header.element.bytes() as u64;
-    let mut data = match &header.data_file {
+fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
+    let parsed = header::Header::read(&mut input)?;
+    let (encoding, byte_order) = (parsed.encoding, parsed.byte_order);
+    let mut data = match &parsed.data_file {
         Some(name) => Input::open(&beside(input.path(), name))?,
         None => input,
     };
-    if header.byte_skip == ByteSkip::ToEnd && (header.encoding != Encoding::Raw || data.left().is_none()) {
-        return Err(ReadError::Nrrd { path: data.path().to_owned(), cause: NrrdError::SkipToEnd });
+    let fault = |cause| ReadError::Nrrd { path: data.path().to_owned(), cause };
+    if parsed.byte_skip == ByteSkip::ToEnd && (encoding != Encoding::Raw || data.left().is_none()) {
+        return Err(fault(NrrdError::SkipToEnd));
     }
-    data.skip_lines(header.line_skip)?;
-    let skip = match header.byte_skip {
+    let (line_skip, byte_skip) = (parsed.line_skip, parsed.byte_skip);
+    let header = meaning(parsed).map_err(|cause| fault(NrrdError::Extent(cause)))?;
+    data.skip_lines(line_skip)?;
+    let skip = match byte_skip {
         ByteSkip::Bytes(count) => count,
-        ByteSkip::ToEnd => data.left().unwrap_or(0).saturating_sub(bytes),
+        ByteSkip::ToEnd => data.left().unwrap_or(0).saturating_sub(header.bytes().unwrap_or(u64::MAX)),
     };
-    let origin = Origin { format: FileFormat::Nrrd, byte_order: header.byte_order, fortran_order: false };
-    let metadata = Metadata { rank: header.extent.rank(), source: origin, lines: header.lines };
-    let place =
-        Place { encoding: header.encoding, byte_order: header.byte_order, skip, is_open_ended: false };
-    Stored::new(data, Header::scalar(header.extent.axes(), header.element, metadata), place)
+    let place = Place { encoding, byte_order, skip, is_open_ended: false };
+    let axes = header.metadata.axes.clone();
+    let path = data.path().to_owned();
+    ordered(Stored::new(data, header, place)?, &path, &axes)
+}
+
+/// The data set that a header speaks of.
+fn meaning(parsed: header::Header) -> Result<Header, ExtentError> {
+    let source = Origin { format: FileFormat::Nrrd, byte_order: parsed.byte_order, fortran_order: false };
+    let mut metadata = Metadata { axes: Vec::new(), source, lines: parsed.lines };
+    metadata.axes = axes_of(&parsed.sizes, metadata.field("kinds"), metadata.field("space directions"))
+        .ok_or(ExtentError::TooLarge)?;
+    Header::of_axes(&parsed.sizes, parsed.element, metadata)
 }
 
 /// Begins one file of header and samples, or two if `path` ends in `.nhdr`.
@@ -83,13 +97,15 @@ fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Create
     let encoding = if options.gzip { Encoding::Gzip } else { Encoding::Raw };
     let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
     let fault = |cause| WriteError::Io { path: path.to_owned(), cause };
-    let (mut text, losses) = header_text(header, order, encoding);
+    let axes = header.axes();
+    let (mut text, losses) = header_text(header, &axes, order, encoding);
+    let finished = |sink: StoredSink| Ok(Created { sink: ordered_sink(sink, path, header, &axes)?, losses });
     if !has_extension(path, &["nhdr"]) {
         text.push('\n');
         let mut file = AtomicFile::create(path).map_err(fault)?;
         file.write_all(text.as_bytes()).map_err(fault)?;
         let sink = StoredSink::new(file, path, header, encoding, order);
-        return Ok(Created { sink: Box::new(sink), losses });
+        return finished(sink);
     }
     let data = path.with_extension(if options.gzip { "raw.gz" } else { "raw" });
     text.push_str(&data_file_line(&data).map_err(fault)?);
@@ -99,17 +115,21 @@ fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Create
     let mut header_file = AtomicFile::create(path).map_err(fault)?;
     header_file.write_all(text.as_bytes()).and_then(|()| header_file.flush()).map_err(fault)?;
     let file = AtomicFile::create(&data).map_err(|cause| WriteError::Io { path: data.clone(), cause })?;
-    let sink = StoredSink::new(file, &data, header, encoding, order).followed_by(header_file, path);
-    Ok(Created { sink: Box::new(sink), losses })
+    finished(StoredSink::new(file, &data, header, encoding, order).followed_by(header_file, path))
 }
 
 /// Header up to where the samples, or the name of their file, follow.
-fn header_text(header: &Header, order: ByteOrder, encoding: Encoding) -> (String, Vec<String>) {
-    let rank = header.rank();
-    let sizes: Vec<String> = header.extent[..rank].iter().map(u64::to_string).collect();
+fn header_text(
+    header: &Header,
+    axes: &[Axis],
+    order: ByteOrder,
+    encoding: Encoding,
+) -> (String, Vec<String>) {
+    let sizes: Vec<u64> = axes.iter().map(|axis| header.count(*axis)).collect();
+    let words: Vec<String> = sizes.iter().map(u64::to_string).collect();
     let version = if header.metadata.field("measurement frame").is_some() { 5 } else { 4 };
-    let mut text = format!("NRRD000{version}\ntype: {}\ndimension: {rank}\n", type_name(header.element));
-    text += &format!("sizes: {}\n", sizes.join(" "));
+    let mut text = format!("NRRD000{version}\ntype: {}\n", type_name(header.element));
+    text += &format!("dimension: {}\nsizes: {}\n", axes.len(), words.join(" "));
     if header.element.bytes() > 1 {
         text += &format!("endian: {order}\n");
     }
@@ -118,7 +138,7 @@ fn header_text(header: &Header, order: ByteOrder, encoding: Encoding) -> (String
         _ => "encoding: gzip\n",
     };
     let mut losses = Vec::new();
-    for line in &header.metadata.lines {
+    for line in &lines_with_kinds(header, axes, &sizes) {
         let made_anew = matches!(line, HeaderLine::Field { name, .. } if is_structure(name));
         match line_text(line) {
             Some(line) if !made_anew => text += &(line + "\n"),
@@ -126,6 +146,20 @@ fn header_text(header: &Header, order: ByteOrder, encoding: Encoding) -> (String
         }
     }
     (text, losses)
+}
+
+/// The lines of a header, with `kinds` where without them a reader would take the axes for others.
+fn lines_with_kinds(header: &Header, axes: &[Axis], sizes: &[u64]) -> Vec<HeaderLine> {
+    let mut metadata =
+        Metadata { lines: header.metadata.lines_for(axes), ..Metadata::plain(3, FileFormat::Nrrd) };
+    let found = axes_of(sizes, metadata.field("kinds"), metadata.field("space directions"));
+    let needs_kinds = header.metadata.source.format != FileFormat::Nrrd
+        && metadata.field("kinds").is_none()
+        && !axes.iter().all(|axis| axis.is_space());
+    if needs_kinds || found.as_deref() != Some(axes) {
+        metadata.set_field("kinds", &kinds_of(axes));
+    }
+    metadata.lines
 }
 
 fn beside(header: &Path, name: &str) -> PathBuf {

@@ -63,7 +63,7 @@ fn every_line_of_a_rich_header_is_understood() {
     let volume = rich();
     assert_eq!((volume.extent, volume.element), ([3, 2, 1], ElementType::U16));
     assert_eq!(volume.samples, [1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0]);
-    assert_eq!(volume.metadata.rank, 3);
+    assert_eq!(volume.metadata.rank(), 3);
     assert_eq!(volume.metadata.source.byte_order, ByteOrder::Big);
     assert_eq!(volume.metadata.spacing(), Some([3.2, 3.2, 1.5]));
     assert_eq!(volume.metadata.origin(), Some(vec![-10.5, 1e-3, 7.0]));
@@ -248,7 +248,7 @@ fn what_is_no_volume_is_refused_by_name() {
     );
     assert_eq!(header(""), NrrdError::Missing { field: "dimension" });
     assert_eq!(header("dimension: 0"), NrrdError::Dimension { found: 0 });
-    assert_eq!(header("dimension: 4\nsizes: 3 9 9 9"), NrrdError::Dimension { found: 4 });
+    assert_eq!(header("dimension: 17\nsizes: 3"), NrrdError::Dimension { found: 17 });
     assert_eq!(header("dimension: x"), value("dimension", "x", "a number from 1 up"));
     assert_eq!(header("dimension: 2\nDimension: 2"), NrrdError::Repeated { field: "dimension" });
     assert_eq!(header("dimension: 2"), NrrdError::Missing { field: "sizes" });
@@ -276,6 +276,81 @@ fn what_is_no_volume_is_refused_by_name() {
     let endless = format!("NRRD0001\n{}", "#\n".repeat(1 << 20));
     assert_eq!(fault(&endless), NrrdError::HeaderTooLong { limit: 1 << 20 });
     assert_eq!(fault(&endless.replace("\n#", "#")), NrrdError::HeaderTooLong { limit: 1 << 20 });
+}
+
+/// A file of 5 x 4 x 3 samples with axes of components and time, whose values count up in the order of the file.
+fn file_of_axes(sizes: &str, lines: &str) -> (Vec<u8>, Vec<u8>) {
+    let counts = sizes.split(' ').map(|size| size.parse::<usize>().unwrap());
+    let header = format!(
+        "NRRD0004\ntype: uint8\ndimension: {}\nsizes: {sizes}\nencoding: raw\n{lines}\n",
+        sizes.split(' ').count()
+    );
+    let values: Vec<u8> = (0..counts.product::<usize>()).map(|value| value as u8).collect();
+    ([header.as_bytes(), &values].concat(), values)
+}
+
+fn read_values(bytes: &[u8]) -> (crate::volume::Header, Vec<u8>) {
+    let mut source = Nrrd.open_input(Input::from_bytes(bytes)).unwrap();
+    let header = source.header().clone();
+    let mut values = vec![0; header.bytes().unwrap() as usize];
+    source.read(&mut values).unwrap();
+    (header, values)
+}
+
+#[test]
+fn components_and_time_are_read_and_written_as_they_lie() {
+    for (sizes, lines, components, steps, is_canonical) in [
+        ("3 5 4", "kinds: RGB-color domain domain\nspacings: nan 0.5 2\n", 3, 1, true),
+        ("2 5 4 3", "", 2, 1, true),
+        ("5 4 3 2", "", 1, 2, true),
+        ("2 5 4 3 2", "labels: \"re im\" \"x\" \"y\" \"z\" \"t\"\n", 2, 2, true),
+        ("5 4 3 4", "kinds: domain domain domain 4-color\n", 4, 1, false),
+        (
+            "5 4 3 3",
+            "kinds: space space space list\nspace dimension: 3\nspace directions: (1,0,0) (0,1,0) (0,0,1) none\n",
+            1,
+            3,
+            true,
+        ),
+        ("4 5 4 3", "kinds: time domain domain domain\n", 1, 4, false),
+        ("5 2 4 3 2", "kinds: domain vector domain domain list\n", 2, 2, false),
+    ] {
+        let (bytes, values) = file_of_axes(sizes, lines);
+        let (header, found) = read_values(&bytes);
+        assert_eq!((header.components, header.steps), (components, steps), "{sizes}");
+        assert_eq!(header.extent, if sizes == "3 5 4" { [5, 4, 1] } else { [5, 4, 3] });
+        assert_eq!(found == values, is_canonical, "{sizes}");
+        let folder = tempfile::tempdir().unwrap();
+        for gzip in [false, true] {
+            let path = folder.path().join("b.nrrd");
+            let Created { mut sink, losses } =
+                crate::volume::create(&path, &header, &WriteOptions { byte_order: None, gzip }).unwrap();
+            found.chunks(7).for_each(|piece| sink.write(piece).unwrap());
+            sink.finish().unwrap();
+            assert!(losses.is_empty());
+            let written = fs::read(&path).unwrap();
+            assert!(gzip || written == bytes, "{}", String::from_utf8_lossy(&written));
+            assert_eq!(read_values(&written), (header.clone(), found.clone()));
+        }
+    }
+}
+
+#[test]
+fn axes_that_the_lines_do_not_speak_of_are_filled_in() {
+    let mut metadata = Metadata::plain(3, FileFormat::Raw);
+    metadata.set_field("spacings", "1 2 3");
+    let mut header = crate::volume::Header::scalar([5, 4, 3], ElementType::U8, metadata);
+    (header.components, header.steps) = (7, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("b.nrrd");
+    let mut sink = crate::volume::create(&path, &header, &WriteOptions::default()).unwrap().sink;
+    sink.write(&[1; 840]).unwrap();
+    sink.finish().unwrap();
+    let (found, _) = read_values(&fs::read(&path).unwrap());
+    assert_eq!((found.extent, found.components, found.steps), (header.extent, 7, 2));
+    let lines = [field("spacings", "nan 1 2 3 nan"), field("kinds", "vector domain domain domain time")];
+    assert_eq!(found.metadata.lines, lines);
+    assert_eq!(found.metadata.spacing(), Some([1.0, 2.0, 3.0]));
 }
 
 #[test]

@@ -17,8 +17,8 @@ use crate::volume::error::excerpt;
 use crate::volume::input::Input;
 use crate::volume::stored::{Encoding, Place, Stored};
 use crate::volume::{
-    ByteOrder, Created, ElementType, FileFormat, Found, Header, HeaderLine, Metadata, Origin, ReadError,
-    Source, WriteError, WriteOptions, losses,
+    Axis, ByteOrder, Created, ElementType, FileFormat, Found, Header, HeaderLine, Metadata, Origin,
+    ReadError, Source, WriteError, WriteOptions, losses,
 };
 
 /// First characters of every file; a version follows.
@@ -321,7 +321,7 @@ impl Reader {
         if !title.is_empty() && title != NO_TITLE {
             lines.push(HeaderLine::KeyValue { key: TITLE.to_owned(), value: title });
         }
-        let metadata = Metadata { rank: 3, source, lines };
+        let metadata = Metadata { axes: Axis::SPACE.to_vec(), source, lines };
         let (extent, components) = (self.grid.samples(), array.components);
         let header = Header { extent, components, steps: 1, element, metadata };
         let Values { start, is_color } = array.data;

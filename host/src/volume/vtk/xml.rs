@@ -22,8 +22,8 @@ use crate::volume::error::excerpt;
 use crate::volume::input::Input;
 use crate::volume::stored::{Encoding, Place, Stored};
 use crate::volume::{
-    ByteOrder, Created, ElementType, FileFormat, Header, Metadata, Origin, ReadError, Source, WriteError,
-    WriteOptions, losses,
+    Axis, ByteOrder, Created, ElementType, FileFormat, Header, Metadata, Origin, ReadError, Source,
+    WriteError, WriteOptions, losses,
 };
 
 /// Longest tag, and longest text between tags beside samples, that is read.
@@ -87,7 +87,7 @@ pub(super) fn open(input: Input, wanted: Option<&str>) -> Result<Box<dyn Source>
         _ => words.byte_order,
     };
     let source = Origin { format: FileFormat::VtkXml, byte_order, fortran_order: false };
-    let metadata = Metadata { rank: 3, source, lines };
+    let metadata = Metadata { axes: Axis::SPACE.to_vec(), source, lines };
     let header = Header { extent: grid.samples(), components: array.components, steps: 1, element, metadata };
     let total = grid.count().and_then(|_| header.bytes()).ok_or_else(|| fault(VtkError::TooLarge))?;
 

@@ -13,7 +13,7 @@ use zarrs::filesystem::FilesystemStore;
 use super::boxes::{Counts, Strides, canonical, copy};
 use super::layout::{Role, v3_name};
 use super::{lines, ome};
-use crate::atomic::AtomicFolder;
+use crate::atomic::AtomicTree;
 use crate::volume::element::reorder;
 use crate::volume::{ByteOrder, FileFormat, Header, Sink, WriteError, WriteOptions};
 
@@ -22,7 +22,7 @@ const SLAB_BYTES: u64 = 1 << 26;
 
 /// A Zarr folder under construction.
 pub(super) struct ZarrSink {
-    folder: AtomicFolder,
+    folder: AtomicTree,
     array: Array<FilesystemStore>,
     path: PathBuf,
     header: Header,
@@ -43,7 +43,7 @@ pub(super) fn create(path: &Path, header: &Header, options: &WriteOptions) -> Re
     let fault = |cause| WriteError::Io { path: path.to_owned(), cause };
     let is_image = path.to_string_lossy().to_ascii_lowercase().ends_with(".ome.zarr");
     refuse_foreign(path)?;
-    let folder = AtomicFolder::create(path).map_err(fault)?;
+    let folder = AtomicTree::create(path).map_err(fault)?;
     let attributes = if is_image { ome::attributes(header) } else { lines::attributes(&header.metadata) };
     let mut inner = folder.path().to_owned();
     let roles = if is_image { image_roles(header) } else { array_roles(header) };
