@@ -1,4 +1,4 @@
-//! Folders that replace others whole or not at all.
+//! Folders that appear whole or not at all, and replace others whole.
 
 use std::fs::{self, File};
 use std::io;
@@ -11,8 +11,9 @@ use super::folder::new_folder_mode;
 use super::temporary::{Name, names};
 use super::{behind_links, folder_of};
 
-/// A folder under construction: what is put into it shows at its path only with [`commit`](Self::commit).
+/// A folder with all that is in it, under construction: it shows at its path only with [`commit`](Self::commit).
 ///
+/// Unlike files of an [`AtomicFolder`](super::AtomicFolder), it is one thing, and takes the place of an old one.
 /// Until then it is a temporary folder beside the target, which is removed with all its files when this value is
 /// dropped. A folder at the path stays as it is up to the moment when the new one takes its place, whole for whole;
 /// then it is removed. A symbolic link is followed, so that the link remains.
@@ -20,7 +21,7 @@ use super::{behind_links, folder_of};
 pub struct AtomicTree {
     folder: TempDir,
     /// Its name outlives it.
-    _name: Name,
+    name: Name,
     path: PathBuf,
 }
 
@@ -48,7 +49,7 @@ impl AtomicTree {
             builder.permissions(mode);
         }
         let (folder, name) = Name::of(|| builder.tempdir_in(around), TempDir::path)?;
-        Ok(Self { folder, _name: name, path })
+        Ok(Self { folder, name, path })
     }
 
     /// The temporary folder, to put files into.
@@ -63,7 +64,7 @@ impl AtomicTree {
     ///
     /// When any of this fails; the old folder, if there was one, is then still there.
     pub fn commit(self) -> io::Result<()> {
-        let Self { folder, _name, path } = self;
+        let Self { folder, name, path } = self;
         let (mut files, mut folders) = (Vec::new(), vec![folder.path().to_owned()]);
         while let Some(inner) = folders.pop() {
             for entry in fs::read_dir(inner)? {
@@ -75,22 +76,24 @@ impl AtomicTree {
             }
         }
         files.par_iter().try_for_each(|file| File::open(file)?.sync_all())?;
-        let nothing_is_abandoned_now = names();
-        if path.is_dir() {
-            replace(folder.path(), &path)?;
-        } else {
-            fs::rename(folder.path(), &path)?;
+        {
+            let _nothing_is_abandoned_now = names();
+            match path.is_dir() {
+                true => replace(folder.path(), &path)?,
+                false => fs::rename(folder.path(), &path)?,
+            }
         }
         if let Ok(around) = File::open(folder_of(&path)) {
             // The folder is in its place already, and not every system can do this.
             let _ = around.sync_all();
         }
-        drop(nothing_is_abandoned_now);
         // What has the temporary name now is the old folder, if there was one.
-        folder.close().or_else(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => Ok(()),
-            _ => Err(cause),
-        })
+        let removed = folder.close();
+        drop(name);
+        match removed {
+            Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(cause),
+            _ => Ok(()),
+        }
     }
 }
 

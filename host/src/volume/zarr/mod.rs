@@ -36,6 +36,14 @@ impl Format for Zarr {
         has_extension(path, &["zarr"]) || node::is_node(path)
     }
 
+    fn takes_folders(&self) -> bool {
+        true
+    }
+
+    fn compresses(&self, _: &Path) -> bool {
+        true
+    }
+
     fn magic(&self) -> Option<&'static [u8]> {
         None
     }
