@@ -101,7 +101,7 @@ fn samples(header: &Header) -> u64 {
     header.extent.into_iter().fold(header.steps, u64::saturating_mul)
 }
 
-fn in_words(header: &Header) -> String {
+pub(crate) fn in_words(header: &Header) -> String {
     let [x, y, z] = header.extent;
     let mut text = format!("{x}x{y}x{z} {}", header.element);
     if header.components > 1 {

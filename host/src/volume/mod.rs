@@ -73,11 +73,6 @@ impl Volume {
         Header::scalar(self.extent, self.element, self.metadata.clone())
     }
 
-    /// The samples of the box of `sides` samples from `origin` on, which lies within the volume.
-    pub(crate) fn cut(&self, origin: [u64; 3], sides: [u32; 3]) -> Vec<u8> {
-        self.rows(origin, sides).flatten().copied().collect()
-    }
-
     /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,
     /// little-endian, y before z.
     pub(crate) fn rows(&self, origin: [u64; 3], sides: [u32; 3]) -> impl Iterator<Item = &[u8]> {
