@@ -211,7 +211,10 @@ pub enum WriteError {
         found: u64,
     },
     /// Compression was asked for in a format that has none.
-    #[error("{}: only NRRD files hold gzip data: leave gzip out, or write .nrrd or .nhdr", path.display())]
+    #[error(
+        "{}: files of this name hold no compressed samples: leave gzip out, or write .nrrd, .nhdr, .mha, .mhd or .nii.gz",
+        path.display()
+    )]
     NoGzip {
         /// File in question.
         path: PathBuf,

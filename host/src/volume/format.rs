@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, pnm, vtk};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, nifti, npy, nrrd, pnm, vtk};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,10 @@ pub enum FileFormat {
     Nrrd,
     /// NumPy's array file.
     Npy,
+    /// MetaImage, header attached or detached.
+    MetaImage,
+    /// NIfTI, one file or a pair.
+    Nifti,
     /// TIFF, of one page or many.
     Tiff,
     /// PNG, one slice a file.
@@ -42,6 +46,8 @@ impl FileFormat {
             Self::Raw => "raw",
             Self::Nrrd => "NRRD",
             Self::Npy => ".npy",
+            Self::MetaImage => "MetaImage",
+            Self::Nifti => "NIfTI",
             Self::Tiff => "TIFF",
             Self::Png => "PNG",
             Self::Pgm => "PGM, PPM or PFM",
@@ -68,6 +74,11 @@ pub(super) trait Format: Sync {
     /// What every file begins with, if there is something.
     fn magic(&self) -> Option<&'static [u8]>;
 
+    /// Whether samples can be compressed, as [`WriteOptions::gzip`] asks, in a file of this name.
+    fn compresses(&self, _path: &Path) -> bool {
+        false
+    }
+
     /// Opens a file by its path.
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
         self.open_input(Input::open(path)?)
@@ -81,16 +92,17 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 5] = [&nrrd::Nrrd, &npy::Npy, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml];
+const FORMATS: &[&dyn Format] =
+    &[&nrrd::Nrrd, &npy::Npy, &nifti::Nifti, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {
-    FORMATS.into_iter().find(|format| format.has_name(path))
+    FORMATS.iter().copied().find(|format| format.has_name(path))
 }
 
 /// The format that the first bytes of a file are those of.
 pub(super) fn of_first_bytes(input: &mut Input) -> Result<Option<&'static dyn Format>, ReadError> {
-    for format in FORMATS {
+    for &format in FORMATS {
         if let Some(magic) = format.magic()
             && input.starts_with(magic)?
         {

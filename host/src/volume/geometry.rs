@@ -1,6 +1,6 @@
 //! Where samples lie in space, whichever way a format says it.
 
-use super::{HeaderLine, Metadata};
+use super::{Axis, HeaderLine, Metadata};
 
 /// Which way the three coordinates of a position grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,8 +121,9 @@ impl Metadata {
     }
 
     /// Says where the samples lie, in place of what was said before: `space`, or `space dimension` where it has no
-    /// name, `space directions`, `space origin`; `spacings` and `axis mins` go.
+    /// name, `space directions`, `space origin`; `spacings` and `axis mins` go, but for a spacing of time.
     pub fn set_geometry(&mut self, geometry: &Geometry) {
+        let time_step = self.axis_entry("spacings", Axis::Time(0)).map(str::to_owned);
         for name in ["space", "space dimension", "spacings", "axis mins", "axis maxs"] {
             self.remove_field(name);
         }
@@ -137,6 +138,9 @@ impl Metadata {
         let directions: Vec<String> = directions.collect();
         self.set_field("space directions", &directions.join(" "));
         self.set_field("space origin", &vector_text(&geometry.origin));
+        if let Some(step) = time_step {
+            self.set_axis_entry("spacings", Axis::Time(0), &step);
+        }
     }
 
     fn axis_mins(&self) -> Option<[f64; 3]> {
@@ -175,7 +179,7 @@ pub(super) fn vector_text(vector: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Axis, FileFormat};
+    use crate::volume::FileFormat;
 
     fn oblique() -> Geometry {
         Geometry {

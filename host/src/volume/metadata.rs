@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::entries::{entries, rearranged};
+use super::entries::{entries, filler, rearranged};
 use super::geometry::vector_text;
 use super::{Axis, ByteOrder, FileFormat};
 
@@ -145,6 +145,37 @@ impl Metadata {
         let axes = self.axes.iter().zip(&entries);
         let of_space = axes.filter_map(|(axis, entry)| Some((axis.space()?, &value[entry.clone()])));
         (entries.len() == self.axes.len()).then(|| of_space.collect())
+    }
+
+    /// The entry of a field for the first axis like this one: of components or of time, however many, or x, y or z.
+    pub fn axis_entry(&self, name: &str, axis: Axis) -> Option<&str> {
+        let value = self.field(name)?;
+        let entries = entries(value);
+        let index = self.axes.iter().position(|found| found.is_like(axis))?;
+        (entries.len() == self.axes.len()).then(|| &value[entries[index].clone()])
+    }
+
+    /// Sets the entry of a field for the axes like this one. Others keep theirs, or get a filler such as `none`.
+    pub fn set_axis_entry(&mut self, name: &str, axis: Axis, entry: &str) {
+        let words: Vec<String> = self
+            .axes
+            .iter()
+            .map(|found| match found.is_like(axis) {
+                true => entry.to_owned(),
+                false => self
+                    .axis_entry(name, *found)
+                    .or_else(|| filler(name, *found))
+                    .unwrap_or("none")
+                    .to_owned(),
+            })
+            .collect();
+        self.set_field(name, &words.join(" "));
+    }
+
+    /// Time from one step to the next, in the units that `units` names for this axis; `None` if the file has no axis
+    /// of time, or says nothing of it.
+    pub fn time_step(&self) -> Option<f64> {
+        number(self.axis_entry("spacings", Axis::Time(0))?)
     }
 
     /// What the volume is, in the file's words (`content`).

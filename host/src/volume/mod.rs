@@ -13,6 +13,7 @@ mod geometry;
 mod header;
 mod input;
 mod metadata;
+mod nifti;
 mod npy;
 mod nrrd;
 mod planes;
@@ -39,6 +40,7 @@ pub use format::FileFormat;
 pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
+pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
 pub use pnm::PnmError;
@@ -95,7 +97,8 @@ pub fn sample_bytes(extent: [u64; 3], element: ElementType) -> Option<u64> {
 pub struct WriteOptions {
     /// Order of the bytes of a sample; `None` for that of the source.
     pub byte_order: Option<ByteOrder>,
-    /// Whether samples are compressed with gzip, which only NRRD files can be.
+    /// Whether samples are compressed: with gzip in NRRD, with zlib in MetaImage. NIfTI's names say it themselves, by
+    /// `.gz` at their end.
     pub gzip: bool,
 }
 

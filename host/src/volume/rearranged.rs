@@ -24,9 +24,37 @@ fn canonical(axes: &[Axis]) -> Vec<usize> {
     order
 }
 
-/// Whether a file of these axes has its values in the order of [`Header`].
-pub(super) fn is_canonical(axes: &[Axis]) -> bool {
-    axes.is_sorted_by_key(|axis| axis.place())
+/// Whether a file of these axes has its values in the order of [`Header`]; axes of one value can stand anywhere.
+fn is_canonical(axes: &[Axis]) -> bool {
+    let counts = axes.iter().filter(|axis| !matches!(axis, Axis::Component(1) | Axis::Time(1)));
+    counts.is_sorted_by_key(|axis| axis.place())
+}
+
+/// The values of `inner`, the file at `path`, in the order of [`Header`], where the file has them in that of `axes`.
+///
+/// # Errors
+/// [`ReadError`]: compressed samples that have to be rearranged, and are damaged.
+pub(super) fn ordered<S: Source + 'static>(
+    inner: S,
+    path: &Path,
+    axes: &[Axis],
+) -> Result<Box<dyn Source>, ReadError> {
+    let inner = Box::new(inner);
+    Ok(if is_canonical(axes) { inner } else { Box::new(Rearranged::new(inner, path, axes)?) })
+}
+
+/// A sink of values in the order of [`Header`] into `inner`, the sink of the file at `path`, in the order of `axes`.
+///
+/// # Errors
+/// [`WriteError`], when no temporary file can be made.
+pub(super) fn ordered_sink<S: Sink + 'static>(
+    inner: S,
+    path: &Path,
+    header: &Header,
+    axes: &[Axis],
+) -> Result<Box<dyn Sink>, WriteError> {
+    let inner = Box::new(inner);
+    Ok(if is_canonical(axes) { inner } else { Box::new(RearrangedSink::new(inner, path, header, axes)?) })
 }
 
 /// Strides in the order of `order` through a file whose axes have `counts` values, with neighbours joined where one
@@ -55,8 +83,8 @@ fn strides(counts: &[u64], order: &[usize]) -> Vec<Stride> {
 ///
 /// Memory: a piece. Cost: every run of values along the axis that lies closest together is one read; where that is
 /// an axis whose values have others between them, those are read as well and passed over.
-pub(super) struct Rearranged {
-    inner: Stored,
+struct Rearranged {
+    inner: Box<dyn Source>,
     strides: Vec<Stride>,
     /// Axis along which runs are read.
     along: usize,
@@ -70,13 +98,13 @@ pub(super) struct Rearranged {
 impl Rearranged {
     /// Values of `inner` in the order of its header, where the file has the axes of its metadata. Samples that are
     /// compressed come out of a temporary file.
-    pub(super) fn new(inner: Stored, axes: &[Axis]) -> Result<Self, ReadError> {
+    fn new(inner: Box<dyn Source>, path: &Path, axes: &[Axis]) -> Result<Self, ReadError> {
         let counts: Vec<u64> = axes.iter().map(|axis| inner.header().count(*axis)).collect();
-        let inner = if inner.is_random() { inner } else { unpacked(inner)? };
+        let inner = if inner.is_random() { inner } else { Box::new(unpacked(inner, path)?) };
         Ok(Self::with_order(inner, &counts, &canonical(axes)))
     }
 
-    fn with_order(inner: Stored, counts: &[u64], order: &[usize]) -> Self {
+    fn with_order(inner: Box<dyn Source>, counts: &[u64], order: &[usize]) -> Self {
         let strides = strides(counts, order);
         let is_dense = |stride: &Stride| stride.count >= stride.step;
         let closest = |stride: &Stride| stride.step == 1;
@@ -172,20 +200,19 @@ impl Source for Rearranged {
 }
 
 /// The same values in a temporary file, little-endian and uncompressed.
-fn unpacked(mut stored: Stored) -> Result<Stored, ReadError> {
-    let path = stored.path().to_owned();
-    let fault = |cause| ReadError::Io { path: path.clone(), cause };
-    let header = stored.header().clone();
+fn unpacked(mut packed: Box<dyn Source>, path: &Path) -> Result<Stored, ReadError> {
+    let fault = |cause| ReadError::Io { path: path.to_owned(), cause };
+    let header = packed.header().clone();
     let mut file = tempfile::tempfile().map_err(fault)?;
     let mut left = header.bytes().unwrap_or(u64::MAX);
     let mut piece = Vec::new();
     while left > 0 {
         piece.resize(left.min(PIECE_BYTES) as usize, 0);
-        stored.read(&mut piece)?;
+        packed.read(&mut piece)?;
         file.write_all(&piece).map_err(fault)?;
         left -= piece.len() as u64;
     }
-    plain(file, &path, header)
+    plain(file, path, header)
 }
 
 /// Little-endian values from the beginning of a file.
@@ -197,7 +224,7 @@ fn plain(mut file: File, path: &Path, header: Header) -> Result<Stored, ReadErro
 }
 
 /// A sink of values that are to lie in another order in the file. They wait in a temporary file beside it.
-pub(super) struct RearrangedSink {
+struct RearrangedSink {
     inner: Box<dyn Sink>,
     waiting: File,
     path: PathBuf,
@@ -207,12 +234,7 @@ pub(super) struct RearrangedSink {
 
 impl RearrangedSink {
     /// Values of `header` go to `inner`, the sink of the file at `path`, in the order of `axes`.
-    pub(super) fn new(
-        inner: Box<dyn Sink>,
-        path: &Path,
-        header: &Header,
-        axes: &[Axis],
-    ) -> Result<Self, WriteError> {
+    fn new(inner: Box<dyn Sink>, path: &Path, header: &Header, axes: &[Axis]) -> Result<Self, WriteError> {
         let folder = path.parent().filter(|folder| folder.is_dir()).unwrap_or(Path::new("."));
         let waiting = tempfile::tempfile_in(folder).or_else(|_| tempfile::tempfile());
         let waiting = waiting.map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
@@ -241,7 +263,7 @@ impl Sink for RearrangedSink {
             }
             other => WriteError::Io { path: path.clone(), cause: std::io::Error::other(other) },
         };
-        let waiting = plain(waiting, &path, header).map_err(lost)?;
+        let waiting = Box::new(plain(waiting, &path, header).map_err(lost)?);
         let mut rearranged = Rearranged::with_order(waiting, &counts, &back);
         let mut piece = Vec::new();
         while left > 0 {
@@ -322,7 +344,7 @@ mod tests {
                 is_open_ended: false,
             };
             let stored = Stored::new(Input::from_bytes(&file), header.clone(), place).unwrap();
-            let mut source = Rearranged::new(stored, &axes).unwrap();
+            let mut source = Rearranged::new(Box::new(stored), Path::new("memory"), &axes).unwrap();
             for piece in [2, 6, 26, 1 << 20] {
                 source.seek(0).unwrap();
                 let mut found = vec![0; expected.len()];

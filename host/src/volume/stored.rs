@@ -121,11 +121,6 @@ impl Stored {
         Ok(stored)
     }
 
-    /// The file.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
     fn reader(&mut self) -> &mut Reader {
         self.reader.as_mut().expect("a reader is missing only within `seek`")
     }
@@ -262,6 +257,11 @@ impl StoredSink {
             Encoding::Zlib => Writer::Zlib(ZlibEncoder::new(file, level)),
         };
         Self { writer, path: path.to_owned(), header: header.clone(), byte_order, written: 0, next: None }
+    }
+
+    /// Puts bytes before the values, compressed with them; they are not counted as values.
+    pub(super) fn write_head(&mut self, head: &[u8]) -> Result<(), WriteError> {
+        self.writer.write_all(head).map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
     }
 
     /// Lets `file` appear at `path` when the samples have, and takes the samples back if it cannot.

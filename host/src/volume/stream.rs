@@ -5,7 +5,7 @@ use std::path::Path;
 use super::format::Format;
 use super::input::Input;
 use super::slices::{self, Pattern};
-use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
+use super::{Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
 
 /// A file of a data set that is being read.
 ///
@@ -124,7 +124,7 @@ fn open_file(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>,
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
     let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
-    if options.gzip && !matches!(format.format(), FileFormat::Nrrd | FileFormat::VtkXml) {
+    if options.gzip && !format.compresses(path) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }
     match Pattern::of_path(path) {

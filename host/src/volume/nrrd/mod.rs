@@ -17,10 +17,10 @@ use header::{ByteSkip, is_structure, line_text, type_name};
 
 use super::format::{Format, has_extension};
 use super::input::Input;
-use super::rearranged::{Rearranged, RearrangedSink, is_canonical};
+use super::rearranged::{ordered, ordered_sink};
 use super::stored::{Encoding, Place, Stored, StoredSink};
 use super::{
-    Axis, ByteOrder, Created, ExtentError, FileFormat, Header, HeaderLine, Metadata, Origin, ReadError, Sink,
+    Axis, ByteOrder, Created, ExtentError, FileFormat, Header, HeaderLine, Metadata, Origin, ReadError,
     Source, WriteError, WriteOptions, name_of,
 };
 use crate::atomic::AtomicFile;
@@ -42,6 +42,10 @@ impl Format for Nrrd {
 
     fn magic(&self) -> Option<&'static [u8]> {
         Some(MAGIC)
+    }
+
+    fn compresses(&self, _: &Path) -> bool {
+        true
     }
 
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
@@ -73,8 +77,8 @@ fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
     };
     let place = Place { encoding, byte_order, skip, is_open_ended: false };
     let axes = header.metadata.axes.clone();
-    let stored = Stored::new(data, header, place)?;
-    Ok(if is_canonical(&axes) { Box::new(stored) } else { Box::new(Rearranged::new(stored, &axes)?) })
+    let path = data.path().to_owned();
+    ordered(Stored::new(data, header, place)?, &path, &axes)
 }
 
 /// The data set that a header speaks of.
@@ -95,14 +99,7 @@ fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Create
     let fault = |cause| WriteError::Io { path: path.to_owned(), cause };
     let axes = header.axes();
     let (mut text, losses) = header_text(header, &axes, order, encoding);
-    let finished = |sink: StoredSink| -> Result<Created, WriteError> {
-        let sink: Box<dyn Sink> = Box::new(sink);
-        let sink = match is_canonical(&axes) {
-            true => sink,
-            false => Box::new(RearrangedSink::new(sink, path, header, &axes)?),
-        };
-        Ok(Created { sink, losses })
-    };
+    let finished = |sink: StoredSink| Ok(Created { sink: ordered_sink(sink, path, header, &axes)?, losses });
     if !has_extension(path, &["nhdr"]) {
         text.push('\n');
         let mut file = AtomicFile::create(path).map_err(fault)?;

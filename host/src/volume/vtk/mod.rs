@@ -71,6 +71,10 @@ impl Format for VtkXml {
         Some(b"<VTKFile")
     }
 
+    fn compresses(&self, _: &Path) -> bool {
+        true
+    }
+
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
         let (path, name) = split(path);
         xml::open(Input::open(&path)?, name.as_deref())
