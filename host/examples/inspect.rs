@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use wavelift_host::atomic::AtomicFile;
 use wavelift_host::codec::{self, CompressOptions, Container};
+use wavelift_host::progress::ignore;
 use wavelift_host::volume::ElementType;
 use wavelift_host::volume::synthetic::{Kind, generate};
 
@@ -49,7 +50,7 @@ fn made_here(path: PathBuf) -> Result<PathBuf, Box<dyn Error>> {
     let volume = generate(Kind::Blobs, [48, 40, 32], ElementType::U16, 1);
     let options = CompressOptions { brick: Some([16; 3]), ..CompressOptions::default() };
     let mut file = AtomicFile::create(&path)?;
-    codec::compress(&volume, &options, &mut file, &|_| ())?;
+    codec::compress(&volume, &options, &mut file, &ignore)?;
     file.commit()?;
     Ok(path)
 }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use wavelift_host::codec::{self, CompressOptions, Container};
 use wavelift_host::preview::{Axis, Depth, Select, View, Window, of_container, suitable_level};
+use wavelift_host::progress::ignore;
 use wavelift_host::volume::ElementType;
 use wavelift_host::volume::synthetic::{Kind, generate};
 
@@ -19,7 +20,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         None => {
             let volume = generate(Kind::Waves, [128, 96, 64], ElementType::U16, 1);
             let mut bytes = Vec::new();
-            codec::compress(&volume, &CompressOptions::default(), &mut bytes, &|_| ())?;
+            codec::compress(&volume, &CompressOptions::default(), &mut bytes, &ignore)?;
             // A container need not be a file: here it lies in memory.
             (Container::new(Box::new(bytes))?, folder.path().join("waves.png"))
         }

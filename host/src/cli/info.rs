@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use wavelift_host::codec::{Channel, Container, ContainerError, Head, Step, Summary};
 use wavelift_host::volume::{HeaderLine, Metadata, sample_bytes};
-use wavelift_kernel::Wavelet;
 
 use super::bound;
 use super::compress::steps_document;
