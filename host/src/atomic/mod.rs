@@ -2,6 +2,7 @@
 
 mod folder;
 mod temporary;
+mod tree;
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 pub use folder::AtomicFolder;
 use temporary::Temporary;
 pub use temporary::abandon_all;
+pub use tree::AtomicTree;
 
 /// A file under construction: what is written shows at its path only with [`commit`](Self::commit).
 ///

@@ -109,7 +109,8 @@ fn tell_of(args: &Args, container: &Container, header: &Header, losses: &[String
         }));
     }
     say_losses(&args.output, losses);
-    tell(format_args!("{}: {}, {}", args.output.display(), in_words(header), format.name()));
+    let (output, bytes) = (args.output.display(), header.bytes().unwrap_or(u64::MAX));
+    tell(format_args!("{output}: {}, {bytes} bytes of samples, {}", in_words(header), format.name()));
     let step = container.step(args.step.unwrap_or(0)).map_err(|error| failure(&args.input, error))?;
     let wavelet = step.channels.iter().find_map(|channel| channel.wavelet);
     if let Some(wavelet) = wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet)) {

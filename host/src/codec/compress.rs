@@ -228,7 +228,7 @@ impl<'a> Compressor<'a> {
         let Label { name, time } = label;
         let step = Step { number, name, time, sides: grid.sides, channels: channels.collect() };
         writer.step(&step)?;
-        let most = self.most(&grid);
+        let most = self.most(&grid, supply.held());
         let job = Job { step: &step, codings: &codings, grid, element, layout, most };
         let coded = job.run(supply, &self.pool, writer, progress)?;
         if coded.is_some_and(|coded| coded != crc) {
@@ -252,7 +252,7 @@ impl<'a> Compressor<'a> {
         let piece = (PIECE_BYTES / layout.sample()).max(1);
         let wanted = (0..samples).step_by(piece as usize).map(move |first| {
             let last = (first + piece).min(samples);
-            (last - first, vec![first * layout.sample()..last * layout.sample()])
+            (last - first, std::iter::once(first * layout.sample()..last * layout.sample()).collect())
         });
         std::thread::scope(|threads| {
             for found in read_ahead(threads, supply, wanted) {
@@ -300,12 +300,12 @@ impl<'a> Compressor<'a> {
         self.pool.install(|| trial.best(&candidates, &mut cut))
     }
 
-    /// Bytes that may be read at once, beside those that bricks are coded in.
-    fn most(&self, grid: &Grid) -> u64 {
+    /// Bytes that may be read at once, beside `held` bytes and those that bricks are coded in.
+    fn most(&self, grid: &Grid, held: u64) -> u64 {
         let brick: u64 = grid.sides.into_iter().map(u64::from).product();
         let coding =
             brick.saturating_mul(CODING_BYTES).saturating_mul(self.pool.current_num_threads() as u64);
-        self.memory.saturating_sub(coding) / BUFFERS
+        self.memory.saturating_sub(held).saturating_sub(coding) / BUFFERS
     }
 }
 

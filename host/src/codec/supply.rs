@@ -113,6 +113,14 @@ impl<'a> Supply<'a> {
         Ok(spool.map_or(Self::Memory(memory), Self::Spool))
     }
 
+    /// Bytes of memory that it takes for the values.
+    pub(super) const fn held(&self) -> u64 {
+        match self {
+            Self::Memory(memory) => memory.len() as u64,
+            Self::Source(..) | Self::Spool(_) => 0,
+        }
+    }
+
     /// Appends stretches of the bytes of the step to `out`.
     pub(super) fn read(&mut self, stretches: &[Range<u64>], out: &mut Vec<u8>) -> Result<(), CompressError> {
         for stretch in stretches {

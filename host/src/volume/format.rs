@@ -5,7 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, nifti, npy, nrrd, pnm, vtk};
+use super::{
+    Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd, pnm, vtk, zarr,
+};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,6 +34,8 @@ pub enum FileFormat {
     VtkLegacy,
     /// VTK's XML file of a regular grid.
     VtkXml,
+    /// A folder of Zarr: an array or an image.
+    Zarr,
 }
 
 impl FileFormat {
@@ -54,6 +58,7 @@ impl FileFormat {
             Self::Dicom => "DICOM",
             Self::VtkLegacy => ".vtk",
             Self::VtkXml => ".vti",
+            Self::Zarr => "Zarr",
         }
     }
 }
@@ -92,8 +97,16 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: &[&dyn Format] =
-    &[&nrrd::Nrrd, &npy::Npy, &nifti::Nifti, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml];
+const FORMATS: &[&dyn Format] = &[
+    &nrrd::Nrrd,
+    &npy::Npy,
+    &nifti::Nifti,
+    &pnm::Pnm,
+    &vtk::VtkLegacy,
+    &vtk::VtkXml,
+    &zarr::Zarr,
+    &metaimage::MetaImage,
+];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

@@ -12,7 +12,9 @@ mod format;
 mod geometry;
 mod header;
 mod input;
+mod joined;
 mod metadata;
+mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -27,6 +29,7 @@ mod stored;
 mod stream;
 pub mod synthetic;
 mod vtk;
+mod zarr;
 
 use std::path::Path;
 
@@ -40,6 +43,7 @@ pub use format::FileFormat;
 pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
+pub use metaimage::MetaImageError;
 pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
@@ -50,6 +54,7 @@ use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 pub use vtk::VtkError;
+pub use zarr::ZarrError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

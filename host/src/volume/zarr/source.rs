@@ -1,0 +1,214 @@
+//! Arrays as sources: samples come a slab of chunks at a time.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use zarrs::array::{Array, ArrayBytes, ArraySubset};
+use zarrs::filesystem::FilesystemStore;
+
+use super::boxes::{canonical, copy};
+use super::layout::{LARGEST_BYTES, Layout, Role};
+use super::node::{self, Place, multiscales};
+use super::{ZarrError, lines, ome};
+use crate::volume::element::reorder;
+use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, Source};
+
+/// Bytes of samples that are decoded at a time, if chunks are no larger.
+const PIECE_BYTES: u64 = 1 << 24;
+
+/// Bytes of samples that are decoded at a time at most, unless a single row has more.
+const MOST_PIECE_BYTES: u64 = 1 << 27;
+
+/// An array of a Zarr folder.
+pub(super) struct ZarrSource {
+    array: Array<FilesystemStore>,
+    layout: Layout,
+    header: Header,
+    path: PathBuf,
+    /// Values in memory, and the place of the first among all.
+    piece: Vec<u8>,
+    start: u64,
+    at: u64,
+}
+
+/// Planes and rows of one time step.
+#[derive(Debug)]
+struct Slab {
+    step: u64,
+    z: [u64; 2],
+    y: [u64; 2],
+}
+
+/// Opens the array that a path means.
+pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
+    let fault =
+        |cause| ReadError::Format { path: path.to_owned(), format: FileFormat::Zarr, cause: Box::new(cause) };
+    std::fs::read_dir(path).map_err(|cause| ReadError::Io { path: path.to_owned(), cause })?;
+    let Place { folder, metadata, image } = node::find(path).map_err(fault)?;
+    let axes = image.as_ref().and_then(|(attributes, _)| multiscales(attributes));
+    let layout = Layout::new(&metadata, axes).map_err(fault)?;
+    let header = header(&layout, image).map_err(fault)?;
+    let row = u64::from(header.components).saturating_mul(header.element.bytes() as u64);
+    let row = row.saturating_mul(header.extent[0]);
+    if row > LARGEST_BYTES {
+        return Err(fault(ZarrError::TooLarge {
+            what: "a row of samples",
+            bytes: row,
+            limit: LARGEST_BYTES,
+        }));
+    }
+    let store = FilesystemStore::new(&folder).map_err(|cause| fault(ZarrError::Zarrs(cause.to_string())))?;
+    let array =
+        Array::open(Arc::new(store), "/").map_err(|cause| fault(ZarrError::Zarrs(cause.to_string())))?;
+    if array.shape() != layout.shape {
+        return Err(fault(ZarrError::Metadata { what: "shape" }));
+    }
+    Ok(Box::new(ZarrSource {
+        array,
+        layout,
+        header,
+        path: path.to_owned(),
+        piece: Vec::new(),
+        start: 0,
+        at: 0,
+    }))
+}
+
+fn header(
+    layout: &Layout,
+    image: Option<(serde_json::Map<String, serde_json::Value>, usize)>,
+) -> Result<Header, ZarrError> {
+    let components = layout.count(Role::Component);
+    let components = u32::try_from(components).map_err(|_| ZarrError::TooLarge {
+        what: "a sample",
+        bytes: components,
+        limit: u32::MAX.into(),
+    })?;
+    let extent = [Role::X, Role::Y, Role::Z].map(|role| layout.count(role));
+    let rank = layout.roles.iter().filter(|role| matches!(role, Role::X | Role::Y | Role::Z)).count().max(1);
+    let mut metadata = Metadata::plain(rank as u8, FileFormat::Zarr);
+    metadata.source =
+        Origin { format: FileFormat::Zarr, byte_order: layout.byte_order, fortran_order: false };
+    let mut header =
+        Header { extent, components, steps: layout.count(Role::Time), element: layout.element, metadata };
+    let mut own = lines::of_attributes(layout.attributes.clone(), layout.names.as_ref());
+    if let Some((attributes, level)) = image {
+        own.retain(|line| !lines::is_pair(line, lines::NAMES));
+        own.splice(0..0, ome::lines(&attributes, level, &header));
+    }
+    header.metadata.lines = own;
+    Ok(header)
+}
+
+impl ZarrSource {
+    /// Bytes of a row of samples, of a plane, of a time step.
+    fn sizes(&self) -> [u64; 3] {
+        let [width, height, depth] = self.header.extent;
+        let row = width * u64::from(self.header.components) * self.header.element.bytes() as u64;
+        [row, row * height, row * height * depth]
+    }
+
+    /// The slab that the value at a byte lies in: some rows of chunks as a whole, or planes or rows of one.
+    fn slab(&self, position: u64) -> Slab {
+        let [row, plane, step] = self.sizes();
+        let [_, height, depth] = self.header.extent;
+        let (at, within) = (position / step, position % step);
+        let (z, y) = (within / plane, within % plane / row);
+        if plane > MOST_PIECE_BYTES {
+            let rows = (MOST_PIECE_BYTES / row).max(1);
+            let first = y / rows * rows;
+            return Slab { step: at, z: [z, z + 1], y: [first, (first + rows).min(height)] };
+        }
+        let chunk = self.layout.axis(Role::Z).map_or(1, |axis| self.layout.chunk[axis]).min(depth);
+        let (base, planes) = match chunk * plane {
+            bytes if bytes > MOST_PIECE_BYTES => (z / chunk * chunk, MOST_PIECE_BYTES / plane),
+            bytes => (0, chunk * (PIECE_BYTES / bytes).max(1)),
+        };
+        let first = base + (z - base) / planes * planes;
+        let end = if base > 0 || planes < chunk { base + chunk } else { depth };
+        Slab { step: at, z: [first, (first + planes).min(end).min(depth)], y: [0, height] }
+    }
+
+    /// Decodes the slab that the value at a byte lies in.
+    fn load(&mut self, position: u64) -> Result<(), ReadError> {
+        let Slab { step, z, y } = self.slab(position);
+        let [row, plane, step_bytes] = self.sizes();
+        let components = u64::from(self.header.components);
+        let range = |role| match role {
+            Role::Time => step..step + 1,
+            Role::Z => z[0]..z[1],
+            Role::Y => y[0]..y[1],
+            Role::X => 0..self.header.extent[0],
+            Role::Component => 0..components,
+        };
+        let ranges: Vec<_> = self.layout.roles.iter().map(|role| range(*role)).collect();
+        let subset = ArraySubset::new_with_ranges(&ranges);
+        let found: ArrayBytes<'static> =
+            self.array.retrieve_array_subset(&subset).map_err(|cause| self.fault(cause))?;
+        let mut found = found.into_fixed().map_err(|cause| self.fault(cause))?.into_owned();
+        if cfg!(target_endian = "big") {
+            reorder(&mut found, self.header.element, ByteOrder::Big);
+        }
+        let counts =
+            [z[1] - z[0], y[1] - y[0], self.header.extent[0], components].map(|count| count as usize);
+        let lengths: Vec<usize> = ranges.iter().map(|range| (range.end - range.start) as usize).collect();
+        let strides = [Role::Z, Role::Y, Role::X, Role::Component].map(|role| self.stride(role, &lengths));
+        self.start = step * step_bytes + z[0] * plane + y[0] * row;
+        if self.layout.roles.is_sorted() {
+            self.piece = found;
+        } else {
+            self.piece.resize(found.len(), 0);
+            copy(
+                (&found, strides),
+                (&mut self.piece, canonical(counts)),
+                counts,
+                self.header.element.bytes(),
+            );
+        }
+        Ok(())
+    }
+
+    /// Samples from one to the next along an axis of a box with these lengths along the array's axes.
+    fn stride(&self, role: Role, lengths: &[usize]) -> usize {
+        self.layout.axis(role).map_or(1, |axis| lengths[axis + 1..].iter().product())
+    }
+
+    fn fault(&self, cause: impl std::fmt::Display) -> ReadError {
+        let cause = Box::new(ZarrError::Zarrs(cause.to_string()));
+        ReadError::Format { path: self.path.clone(), format: FileFormat::Zarr, cause }
+    }
+}
+
+impl Source for ZarrSource {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&mut self, mut out: &mut [u8]) -> Result<(), ReadError> {
+        let left = self.header.bytes().unwrap_or(0).saturating_sub(self.at);
+        if out.len() as u64 > left {
+            return Err(ReadError::BeyondEnd { path: self.path.clone() });
+        }
+        while !out.is_empty() {
+            if self.at < self.start || self.at - self.start >= self.piece.len() as u64 {
+                self.load(self.at)?;
+            }
+            let ready = &self.piece[(self.at - self.start) as usize..];
+            let count = ready.len().min(out.len());
+            let (now, later) = out.split_at_mut(count);
+            now.copy_from_slice(&ready[..count]);
+            self.at += count as u64;
+            out = later;
+        }
+        Ok(())
+    }
+
+    fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+        self.at = position;
+        Ok(())
+    }
+
+    fn is_random(&self) -> bool {
+        true
+    }
+}
