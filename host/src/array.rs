@@ -10,7 +10,7 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use ndarray::{Array3, Array5, ArrayView3, ArrayView5, ArrayViewMut3, Axis};
 
 use crate::codec::{Container, ContainerError, Part};
-use crate::progress::{Progress, tell};
+use crate::progress::Progress;
 use crate::volume::{ElementType, Fault, FileFormat, Header, InMemory, Metadata, Sample, Volume};
 
 /// Why samples cannot be in an array.
@@ -127,9 +127,7 @@ impl Container {
         if out.len() != values {
             return Err(wrong_shape(&[values], &[out.len()]));
         }
-        self.read_into(part, cast_slice_mut(out), threads, &|samples| {
-            let _ = tell(progress, samples);
-        })?;
+        self.read_into(part, cast_slice_mut(out), threads, progress)?;
         if cfg!(target_endian = "big") {
             out.iter_mut().for_each(|value| *value = T::of_little(*value));
         }

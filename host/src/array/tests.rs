@@ -12,7 +12,7 @@ fn numbered() -> Array3<i32> {
 fn stored(volume: &Volume) -> Container {
     let mut bytes = Vec::new();
     let options = CompressOptions { brick: Some([4, 3, 2]), ..CompressOptions::default() };
-    compress(volume, &options, &mut bytes, &|_| ()).unwrap();
+    compress(volume, &options, &mut bytes, &ignore).unwrap();
     Container::new(Box::new(bytes)).unwrap()
 }
 

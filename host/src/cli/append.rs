@@ -1,6 +1,5 @@
 //! `wavelift append`.
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use wavelift_host::codec::{self, CompressOptions, Container, Label};
@@ -9,7 +8,7 @@ use super::compress::{How, failure, tell_of, values};
 use super::exit::Failure;
 use super::input::{RawArgs, open_source, refuse_same_file};
 use super::output::write_atomically;
-use super::progress;
+use super::progress::Bar;
 
 /// Add time steps to a compressed file
 ///
@@ -49,11 +48,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.file)?;
     let container = Container::open(&args.file).map_err(|error| Failure::of_container(&args.file, &error))?;
     let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
-    let bar = progress::bar("compressing", values(source.header()));
-    let count = |values| {
-        bar.inc(values);
-        ControlFlow::Continue(())
-    };
+    let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
+    let count = |values| bar.count(values);
     let stem = || args.input.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let label = Label { name: args.name.clone().or_else(stem), time: args.time };
     let options = CompressOptions { labels: vec![label], ..args.how.options() };

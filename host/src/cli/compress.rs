@@ -1,7 +1,6 @@
 //! `wavelift compress`.
 
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
@@ -14,7 +13,7 @@ use super::choice::{Levels, effort_names, parse_brick, parse_memory, parse_threa
 use super::exit::Failure;
 use super::input::{RawArgs, open_source, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
-use super::progress;
+use super::progress::Bar;
 
 /// Compress a volume without loss, or within an error bound
 ///
@@ -99,11 +98,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
     let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
-    let bar = progress::bar("compressing", values(source.header()));
-    let count = |values| {
-        bar.inc(values);
-        ControlFlow::Continue(())
-    };
+    let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
+    let count = |values| bar.count(values);
     let options = CompressOptions { names: args.component_names.clone(), ..args.how.options() };
     let report = write_atomically(&args.output, |out| {
         codec::compress_stream(source.as_mut(), &options, out, &count)

@@ -1,7 +1,6 @@
 //! `wavelift decompress`.
 
 use std::num::NonZeroUsize;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -14,7 +13,7 @@ use super::convert::in_words;
 use super::exit::Failure;
 use super::input::{byte_order_names, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
-use super::progress;
+use super::progress::Bar;
 
 /// Get a volume back: all of it, a region, a coarse level, a time step, a component
 ///
@@ -77,11 +76,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let header = container.header_of(&part).map_err(at_input)?;
     let options = WriteOptions { byte_order: args.byte_order, gzip: args.gzip };
     let Created { sink, losses } = volume::create(&args.output, &header, &options)?;
-    let bar = progress::bar("decompressing", container.values(&part));
-    let count = |values| {
-        bar.inc(values);
-        ControlFlow::Continue(())
-    };
+    let bar = Bar::new("decompressing", container.values(&part), header.element.bytes());
+    let count = |values| bar.count(values);
     let options = DecompressOptions { threads: args.threads, memory: args.memory };
     container.decompress(&part, sink, &options, &count).map_err(at_input)?;
     drop(bar);

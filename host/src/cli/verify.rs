@@ -15,7 +15,7 @@ use super::convert::in_words;
 use super::exit::Failure;
 use super::input::{RawArgs, open_source};
 use super::output::{print, print_json, say};
-use super::progress;
+use super::progress::Bar;
 
 /// Check a compressed file, and compare it with the original
 ///
@@ -130,11 +130,8 @@ fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
     let errors = Mutex::new(Vec::new());
     let note = |error| errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
     let at_input = |error: &ContainerError| Failure::of_container(&args.input, error);
-    let bar = progress::bar("verifying", container.values(&Part::default()));
-    let count = |values| {
-        bar.inc(values);
-        ControlFlow::Continue(())
-    };
+    let bar = Bar::new("verifying", container.values(&Part::default()), container.head().element.bytes());
+    let count = |values| bar.count(values);
     let comparison = match &args.original {
         None => container.verify(args.threads, &count, &note).map(|()| Ok(Comparison::default())),
         Some(path) => Ok(compare(args, path, container, (&count, &note))?),
