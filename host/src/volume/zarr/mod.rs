@@ -48,10 +48,6 @@ impl Format for Zarr {
         None
     }
 
-    fn compresses(&self, _: &Path) -> bool {
-        true
-    }
-
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
         source::open(path)
     }
