@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod array;
 pub mod atomic;
 pub mod bound;
 pub mod codec;

@@ -74,8 +74,9 @@ impl SampleType {
 
     /// Position of the first sample outside the type.
     pub(crate) fn first_outside(self, samples: &[i32]) -> Option<usize> {
-        let range = self.range();
-        samples.iter().position(|sample| !range.contains(sample))
+        let (lowest, highest) = self.range().into_inner();
+        let span = highest.wrapping_sub(lowest).cast_unsigned();
+        samples.iter().position(|sample| sample.wrapping_sub(lowest).cast_unsigned() > span)
     }
 
     /// The number of this type in a codestream.

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use wavelift_host::codec::{self, Choice, CompressOptions, Container, Part};
+use wavelift_host::progress::ignore;
 use wavelift_host::volume::{self, ByteOrder, FileFormat, Metadata, RankedExtent, RawLayout, Volume};
 use wavelift_kernel::Wavelet;
 
@@ -56,9 +57,9 @@ fn round_trip(original: &Volume, wavelet: Choice, path: &Path) -> String {
     let options = CompressOptions { wavelet, ..CompressOptions::default() };
     let mut file = File::create(path).expect("the folder takes files");
     let report =
-        codec::compress(original, &options, &mut file, &|_| {}).expect("any volume can be compressed");
+        codec::compress(original, &options, &mut file, &ignore).expect("any volume can be compressed");
     let container = Container::open(path).expect("what was written is whole");
-    let back = container.read(&Part::default(), None, &|_| {}).expect("what was written can be read");
+    let back = container.read(&Part::default(), None, &ignore).expect("what was written can be read");
     assert!(back == *original, "{}: other samples", path.display());
     let samples: u64 = original.extent.iter().product();
     assert_eq!(fs::metadata(path).expect("the file is there").len(), report.container_bytes);

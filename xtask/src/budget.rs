@@ -41,8 +41,8 @@ pub(crate) struct Run {
     pub(crate) build: String,
     /// Golden vectors that come out as they should, exactly so many.
     pub(crate) vectors: u64,
-    /// The brick that is measured: wavelet, levels, and whether predictors are trained.
-    pub(crate) brick: (String, u64, bool),
+    /// The brick that is measured: wavelet, levels and effort.
+    pub(crate) brick: (String, u64, String),
     /// Instructions per sample.
     pub(crate) encode: Limit,
     pub(crate) decode: Limit,

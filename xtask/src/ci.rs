@@ -4,17 +4,18 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use crate::shell::Failures;
-use crate::{browser, capi, device, doc, fmt, fuzz, lint, matrix, size, test, tidy, vectors};
+use crate::{browser, capi, device, doc, fmt, fuzz, interop, lint, matrix, size, test, tidy, vectors};
 
 /// Name and check.
 type Step = (&'static str, fn() -> Failures);
 
 /// The steps in the order they run: cheap ones first.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     ("tidy", tidy::run),
     ("fmt", || fmt::run(false)),
     ("lint", lint::run),
     ("test", test::run),
+    ("interop", interop::run),
     ("matrix", matrix::run),
     ("size", size::run),
     ("device", device::run),

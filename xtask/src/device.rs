@@ -76,10 +76,10 @@ impl Measures {
 
 /// Takes the measures out of a log.
 fn read(run: &Run, log: &str) -> Result<Measures, String> {
-    let (wavelet, levels, trained) = &run.brick;
+    let (wavelet, levels, effort) = &run.brick;
     let is_measured = |brick: &&BTreeMap<&str, &str>| {
-        let (levels, trained) = (levels.to_string(), u64::from(*trained).to_string());
-        let keys = [("wavelet", wavelet), ("levels", &levels), ("trained", &trained)];
+        let levels = levels.to_string();
+        let keys = [("wavelet", wavelet), ("levels", &levels), ("effort", effort)];
         keys.into_iter().all(|(key, value)| brick.get(key) == Some(&value.as_str()))
     };
     let (state, vectors, bricks) = (records(log, "state"), records(log, "vectors"), records(log, "brick"));
@@ -113,7 +113,7 @@ mod tests {
     use crate::budget::Limit;
 
     const LOG: &str = "vectors passed=7 failed=0\nstate codec=100 training=9\nbrick at [0, 0, 0]\n\
-        brick side=2 wavelet=haar levels=1 trained=0 scratch=40 encode=81 encode_stack=9 decode=64 decode_stack=12\n\
+        brick side=2 wavelet=haar levels=1 effort=fast scratch=40 encode=81 encode_stack=9 decode=64 decode_stack=12\n\
         passed\n";
 
     fn one() -> Run {
@@ -124,7 +124,7 @@ mod tests {
             features: vec![],
             build: "release".to_owned(),
             vectors: 7,
-            brick: ("haar".to_owned(), 1, false),
+            brick: ("haar".to_owned(), 1, "fast".to_owned()),
             encode: Limit::Most(11),
             decode: Limit::Most(8),
             memory: Limit::Most(152),
@@ -138,6 +138,6 @@ mod tests {
         assert_eq!(compare(&one(), &measures), [""; 0]);
         let strict = Run { vectors: 8, encode: Limit::Most(10), ..one() };
         assert_eq!(compare(&strict, &measures).len(), 2);
-        assert!(read(&Run { brick: ("haar".to_owned(), 2, false), ..one() }, LOG).is_err());
+        assert!(read(&Run { brick: ("haar".to_owned(), 2, "fast".to_owned()), ..one() }, LOG).is_err());
     }
 }

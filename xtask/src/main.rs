@@ -13,6 +13,7 @@ mod device;
 mod doc;
 mod fmt;
 mod fuzz;
+mod interop;
 mod lint;
 mod matrix;
 mod shell;
@@ -76,6 +77,8 @@ enum Command {
     Capi,
     /// The decoder in WebAssembly: its size, and a page in Node and headless Chromium
     Browser,
+    /// Files of other programs and for them: tests/interop, with Python packages installed below target
+    Interop,
     /// Fuzz targets of tests/fuzz, each from its committed corpus
     Fuzz(fuzz::Options),
     /// Size, speed and memory, with rival codecs where Python has them
@@ -103,6 +106,7 @@ fn main() -> ExitCode {
         Command::Vectors { arguments } => vectors::run(&arguments),
         Command::Capi => capi::run(),
         Command::Browser => browser::run(),
+        Command::Interop => interop::run(),
         Command::Fuzz(options) => fuzz::run(&options),
         Command::Bench(options) => bench::run(&options),
     };

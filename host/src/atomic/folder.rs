@@ -105,13 +105,13 @@ fn sync(folder: &Path) {
 }
 
 #[cfg(unix)]
-fn new_folder_mode() -> Option<fs::Permissions> {
+pub(super) fn new_folder_mode() -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt;
     Some(fs::Permissions::from_mode(0o777))
 }
 
 #[cfg(not(unix))]
-fn new_folder_mode() -> Option<fs::Permissions> {
+pub(super) fn new_folder_mode() -> Option<fs::Permissions> {
     None
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use tempfile::TempDir;
 
+use super::folder::new_folder_mode;
 use super::temporary::{Name, names};
 use super::{behind_links, folder_of};
 
@@ -120,18 +121,6 @@ fn replace_in_turn(new: &Path, path: &Path) -> io::Result<()> {
         return Err(cause);
     }
     fs::rename(aside, new)
-}
-
-/// Mode for a new folder, from which the system takes what the umask forbids.
-#[cfg(unix)]
-fn new_folder_mode() -> Option<fs::Permissions> {
-    use std::os::unix::fs::PermissionsExt;
-    Some(fs::Permissions::from_mode(0o777))
-}
-
-#[cfg(not(unix))]
-fn new_folder_mode() -> Option<fs::Permissions> {
-    None
 }
 
 #[cfg(test)]

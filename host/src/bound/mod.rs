@@ -13,6 +13,7 @@
 mod deviation;
 mod error;
 mod exceptions;
+mod profile;
 mod real;
 mod scale;
 mod tolerance;
@@ -20,6 +21,7 @@ mod tolerance;
 pub use deviation::{Deviation, range};
 pub use error::BoundError;
 pub use exceptions::{Exceptions, Run};
+pub use profile::Profile;
 pub use real::{Real, extend_bytes, samples_of};
-pub use scale::{Samples, Scale};
+pub use scale::Scale;
 pub use tolerance::{Bound, FiniteRange, Tolerance};

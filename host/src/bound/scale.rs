@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::real::is_within;
-#[cfg(doc)]
-use super::samples_of;
-use super::{Exceptions, Real};
+use super::{Exceptions, Profile, Real};
 
 /// Magnitude of the integers at most: some bits are left for prediction.
 const LARGEST: i32 = 1 << 27;
@@ -14,18 +12,10 @@ const LARGEST: i32 = 1 << 27;
 const SLACKS: [u32; 4] = [7, 3, 1, 0];
 
 /// Decimal fractions that natural scales are looked for among: integers, tenths, and so on.
-const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
-
-/// One in so many samples may be off a scale.
-const FEW: usize = 256;
+pub(super) const DECIMALS: [f64; 7] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
 
 /// A natural scale is taken if its steps are not narrower than this part of those that the bound allows.
 const NATURAL_STEP: f64 = 0.98;
-
-/// The samples of a volume, as often as needed: [`samples_of`] its bytes, for instance.
-pub trait Samples<R>: ExactSizeIterator<Item = R> + Clone {}
-
-impl<R, I: ExactSizeIterator<Item = R> + Clone> Samples<R> for I {}
 
 /// Samples as multiples of a unit: X = round(x * density), and x' = X' / density wherever |X - X'| <= slack.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,51 +44,51 @@ impl TryFrom<(f64, u32)> for Scale {
 }
 
 impl Scale {
-    /// The scale for `samples`, all of a volume, and the bound `error`: a natural one if its steps are as wide, or
-    /// else one made for the bound. `None` where nearly all samples would be exceptions, because the bound is finer
-    /// than an `i32` can tell; these are to be coded exactly.
+    /// The scale for the samples of a volume and the bound `error`: a natural one if its steps are as wide, or else one
+    /// made for the bound. `None` where nearly all samples would be exceptions, because the bound is finer than an
+    /// `i32` can tell; these are to be coded exactly.
     ///
     /// `most_slack` is how far whatever codes the integers may move them.
-    ///
-    /// A few passes over the samples.
-    pub fn choose<R: Real>(samples: impl Samples<R>, error: f64, most_slack: u32) -> Option<Self> {
-        let natural = Self::natural(samples.clone(), error, most_slack);
+    pub fn choose(profile: &Profile, error: f64, most_slack: u32) -> Option<Self> {
+        let natural = Self::natural(profile, error, most_slack);
         let is_wide = |scale: &Self| scale.step() >= NATURAL_STEP * 2.0 * error;
         natural.filter(is_wide).or_else(|| {
             SLACKS
                 .into_iter()
                 .filter(|&slack| slack <= most_slack)
-                .filter_map(|slack| Self::for_bound(samples.clone(), error, slack))
-                .find(|scale| is_few(samples.clone(), |x| !scale.reaches(x)))
+                .filter_map(|slack| Self::for_bound(profile, error, slack))
+                .find(|&scale| profile.is_reached(scale))
         })
     }
 
-    /// The scale on which nearly all `samples` lie already: multiples of a power of two, or decimals of up to six
+    /// The scale on which nearly all samples lie already: multiples of a power of two, or decimals of up to six
     /// places, kept as floats. Its slack is what `error` allows, up to `most_slack`: 0, which means exactly, for errors
     /// below the unit.
-    pub fn natural<R: Real>(samples: impl Samples<R>, error: f64, most_slack: u32) -> Option<Self> {
-        let binary = lowest_bit(samples.clone()).map(|exponent| 2.0_f64.powi(-exponent));
-        let densities = binary.into_iter().filter(|density| density.is_normal()).chain(DECIMALS);
-        let exact = |density| Self { density, slack: 0 };
-        let lies_on = |scale: &Self| {
-            is_few(samples.clone(), |x| !scale.reaches(x) || scale.restore::<R>(scale.integer(x)) != x)
-        };
-        let scale = densities.map(exact).find(lies_on)?;
-        let largest = scale.largest_reached(samples);
+    pub fn natural(profile: &Profile, error: f64, most_slack: u32) -> Option<Self> {
+        // In reach, every sample is a multiple of the lowest bit.
+        let binary = profile.binary_density().map(Self::exact).filter(|&scale| profile.is_reached(scale));
+        let scale = binary.or_else(|| profile.decimal_density().map(Self::exact))?;
+        let largest = profile.largest_reached(scale);
         // Decimals are rounded twice, there and back.
-        let rounding = if scale.density.log2().fract() == 0.0 { 0.0 } else { 2.0 * R::ROUNDING * largest };
+        let rounding =
+            if scale.density.log2().fract() == 0.0 { 0.0 } else { 2.0 * profile.rounding() * largest };
         let slack = ((error - rounding).max(0.0) * scale.density).floor();
         Some(Self { slack: slack.min(f64::from(LARGEST)).min(f64::from(most_slack)) as u32, ..scale })
     }
 
     /// The scale on which moving an integer by `slack`, and rounding, stays within `error`.
-    fn for_bound<R: Real>(samples: impl Samples<R>, error: f64, slack: u32) -> Option<Self> {
+    fn for_bound(profile: &Profile, error: f64, slack: u32) -> Option<Self> {
         let widest = Self::of_width(error, slack)?;
         // Once to the type of the sample, and in double precision before, there and back.
-        let rounding = (R::ROUNDING + 4.0 * f64::ROUNDING) * widest.largest_reached(samples);
+        let rounding = (profile.rounding() + 4.0 * f64::ROUNDING) * profile.largest_reached(widest);
         // Where rounding takes most of the bound there is no use in making room for it.
         let room = if rounding < error / 2.0 { error - rounding } else { error };
         Self::of_width(room, slack)
+    }
+
+    /// The scale of so many integers to 1, none of which may be moved.
+    pub(super) const fn exact(density: f64) -> Self {
+        Self { density, slack: 0 }
     }
 
     /// The scale whose half a step, slack and a half, is `half_width`.
@@ -121,9 +111,9 @@ impl Scale {
         f64::from(2 * self.slack + 1) / self.density
     }
 
-    /// The largest magnitude of the integers of `samples`.
-    pub fn largest_integer<R: Real>(self, samples: impl Samples<R>) -> i32 {
-        self.integer(R::nearest(self.largest_reached(samples)))
+    /// A bound of the magnitudes of the integers of samples.
+    pub fn largest_integer(self, profile: &Profile) -> i32 {
+        self.integer(profile.largest_reached(self))
     }
 
     /// Writes samples as integers, as many as there are of both. A sample that is not finite, or beyond the scale,
@@ -161,50 +151,23 @@ impl Scale {
     }
 
     /// Whether the integer of a sample is in range.
-    fn reaches<R: Real>(self, sample: R) -> bool {
+    pub(super) fn reaches<R: Real>(self, sample: R) -> bool {
         (sample.to_f64() * self.density).abs() <= f64::from(LARGEST)
+    }
+
+    /// The magnitude of the samples that are just in reach, but for rounding.
+    pub(super) fn reach(self) -> f64 {
+        (f64::from(LARGEST) / self.density).min(f64::MAX)
+    }
+
+    /// Whether a sample comes back as it was, but for the sign of zero.
+    pub(super) fn holds<R: Real>(self, sample: R) -> bool {
+        self.reaches(sample) && self.restore::<R>(self.integer(sample)) == sample
     }
 
     fn integer<R: Real>(self, sample: R) -> i32 {
         (sample.to_f64() * self.density).round() as i32
     }
-
-    /// The largest magnitude in reach.
-    fn largest_reached<R: Real>(self, samples: impl Samples<R>) -> f64 {
-        let reached = samples.filter(|&sample| self.reaches(sample));
-        reached.fold(0.0, |largest: f64, sample| largest.max(sample.to_f64().abs()))
-    }
-}
-
-/// Whether at most one in [`FEW`] samples is `off` and has other bits than the one before that is: fill values in a mask
-/// cost little, however many they are. Stops as soon as it is not so.
-fn is_few<R: Real>(mut samples: impl Samples<R>, off: impl Fn(R) -> bool) -> bool {
-    let most = samples.len() / FEW;
-    let mut before = None;
-    let mut found = 0;
-    samples.all(|sample| {
-        if before != Some(sample.bits()) && off(sample) {
-            before = Some(sample.bits());
-            found += 1;
-        }
-        found <= most
-    })
-}
-
-/// The exponent of the lowest bit that is set in any finite sample. `None` if there is no such bit.
-fn lowest_bit<R: Real>(samples: impl Samples<R>) -> Option<i32> {
-    let finite = samples.map(Real::to_f64).filter(|value| value.is_finite());
-    finite.filter(|&value| value != 0.0).map(lowest_bit_of).min()
-}
-
-/// The exponent of the lowest set bit of a finite number other than zero.
-fn lowest_bit_of(value: f64) -> i32 {
-    const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
-    let bits = value.to_bits();
-    let fraction = bits & ((1 << FRACTION_BITS) - 1);
-    let exponent = ((bits >> FRACTION_BITS) & 0x7FF) as i32;
-    let significand = if exponent == 0 { fraction } else { fraction | 1 << FRACTION_BITS };
-    significand.trailing_zeros() as i32 + exponent.max(1) + f64::MIN_EXP - 1 - f64::MANTISSA_DIGITS as i32
 }
 
 #[cfg(test)]
@@ -215,7 +178,7 @@ mod tests {
 
     /// What comes back after integers were moved as far as they may be, to and fro.
     fn round_trip<R: Real>(samples: &[R], error: f64) -> Option<(Scale, Vec<R>, usize)> {
-        let scale = Scale::choose(samples.iter().copied(), error, u32::MAX)?;
+        let scale = Scale::choose(&Profile::of(samples.iter().copied()), error, u32::MAX)?;
         let mut integers = vec![0; samples.len()];
         scale.quantize(samples.iter().copied(), &mut integers);
         let slack = scale.slack().cast_signed();
@@ -242,7 +205,7 @@ mod tests {
             assert_eq!((exceptions, scale.slack()), (0, 7), "{error}");
             assert!(holds(&samples, &back, error));
         }
-        assert_eq!(Scale::choose(samples.iter().copied(), 1e-12, u32::MAX), None);
+        assert_eq!(Scale::choose(&Profile::of(samples.iter().copied()), 1e-12, u32::MAX), None);
         let doubles: Vec<f64> = samples.iter().map(|&sample| f64::from(sample) / 3.0).collect();
         assert_eq!(round_trip(&doubles, 1e-6).map(|(_, _, exceptions)| exceptions), Some(0));
     }
@@ -264,7 +227,7 @@ mod tests {
         let (scale, back, exceptions) = round_trip(&samples, 1e-3).unwrap();
         assert_eq!((scale.density(), scale.slack(), exceptions), (100.0, 0, 0));
         assert_eq!(back, samples);
-        assert_eq!(Scale::natural(samples.iter().copied(), 0.0, 0), Some(scale));
+        assert_eq!(Scale::natural(&Profile::of(samples.iter().copied()), 0.0, 0), Some(scale));
     }
 
     #[test]
@@ -296,20 +259,14 @@ mod tests {
     fn no_slack_where_none_is_given() {
         let samples: Vec<f32> = (0..1000).map(|i| (i * 7 % 400) as f32).collect();
         for (error, density) in [(0.3, 1.0), (0.5, 1.0), (2.0, 0.25)] {
-            let scale = Scale::choose(samples.iter().copied(), error, 0).unwrap();
+            let scale = Scale::choose(&Profile::of(samples.iter().copied()), error, 0).unwrap();
             assert!((scale.density() - density).abs() < 1e-3 * density, "{error}: {scale:?}");
             assert_eq!(scale.slack(), 0);
             assert_eq!(
-                scale.largest_integer(samples.iter().copied()),
+                scale.largest_integer(&Profile::of(samples.iter().copied())),
                 (399.0 * scale.density()).round() as i32
             );
         }
-    }
-
-    #[test]
-    fn lowest_bits() {
-        assert_eq!([1.0, 3.0, 0.75, -6.0, 1024.0].map(lowest_bit_of), [0, 0, -2, 1, 10]);
-        assert_eq!([f64::from_bits(1), f64::MIN_POSITIVE].map(lowest_bit_of), [-1074, -1022]);
     }
 
     #[test]
@@ -353,7 +310,7 @@ mod tests {
             let error = 10_f64.powi(exponent);
             let (_, back, exceptions) = round_trip(&samples, error).unwrap();
             prop_assert!(holds(&samples, &back, error));
-            prop_assert!(exceptions <= samples.len() / FEW);
+            prop_assert!(exceptions <= samples.len() / 256);
         }
     }
 }

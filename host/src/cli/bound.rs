@@ -5,6 +5,8 @@ use std::str::FromStr;
 use serde_json::{Map, Value, json};
 use wavelift_host::bound::{BoundError, Tolerance};
 use wavelift_host::codec::{Channel, Form, Summary, Values};
+use wavelift_host::volume::ElementType;
+use wavelift_kernel::Wavelet;
 
 /// How far samples may move; nowhere unless given.
 #[derive(Debug, clap::Args)]
@@ -37,8 +39,30 @@ fn number(text: &str) -> Result<f64, BoundError> {
     f64::from_str(text).map_err(|_| BoundError::NotANumber)
 }
 
+/// What scripts are told of one component of a time step, by name.
+pub(crate) fn channel_fields(
+    channel: &Channel,
+    summary: &Summary,
+    element: ElementType,
+) -> Map<String, Value> {
+    let range = summary.range(element);
+    let fields = json!({
+        "effort": channel.effort.name(),
+        "wavelet": channel.wavelet.map_or("none", Wavelet::name),
+        "levels": channel.levels,
+        "readable_levels": channel.readable_levels,
+        "min": range.map(|[min, _]| min),
+        "max": range.map(|[_, max]| max),
+    });
+    let mut all = fields_of(channel, summary);
+    if let Value::Object(fields) = fields {
+        all.extend(fields);
+    }
+    all
+}
+
 /// What scripts are told of form and bound, by name.
-pub(crate) fn fields(channel: &Channel, summary: &Summary) -> Map<String, Value> {
+fn fields_of(channel: &Channel, summary: &Summary) -> Map<String, Value> {
     let fields = json!({
         "form": channel.form.name(),
         "packed_values": channel.form.values().map(Values::count),

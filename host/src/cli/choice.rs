@@ -54,6 +54,29 @@ pub(crate) fn parse_threads(text: &str) -> Result<NonZeroUsize, ThreadsError> {
     text.parse().map_err(|_| ThreadsError)
 }
 
+/// Not a size of memory.
+#[derive(Debug, thiserror::Error)]
+#[error("give a number of bytes, such as 512MiB, 4G or 1000000")]
+pub(crate) struct MemoryError;
+
+/// Reads a size of memory: K, M, G and T are powers of 1024, with or without iB or B behind.
+pub(crate) fn parse_memory(text: &str) -> Result<u64, MemoryError> {
+    let digits = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let unit = unit.trim_start().to_ascii_lowercase();
+    let power = match unit.trim_end_matches('b').trim_end_matches('i') {
+        "" if unit.contains('i') => return Err(MemoryError),
+        "" => 0,
+        "k" => 10,
+        "m" => 20,
+        "g" => 30,
+        "t" => 40,
+        _ => return Err(MemoryError),
+    };
+    let number: u64 = number.parse().map_err(|_| MemoryError)?;
+    number.checked_mul(1 << power).filter(|&bytes| bytes > 0).ok_or(MemoryError)
+}
+
 /// Takes `auto`, `none`, or the name of a wavelet.
 pub(crate) fn wavelet_choices() -> impl TypedValueParser<Value = Choice> {
     let choices = [Choice::Auto].into_iter().chain(Wavelet::ALL.map(Choice::Wavelet)).chain([Choice::None]);
@@ -85,6 +108,17 @@ mod tests {
         assert_eq!("31".parse::<Levels>().unwrap().count(), Some(31));
         for text in ["", "Auto", "-1", "32", "1.5"] {
             text.parse::<Levels>().unwrap_err();
+        }
+    }
+
+    #[test]
+    fn memory_has_a_unit_or_none() {
+        assert_eq!(parse_memory("512MiB").unwrap(), 512 << 20);
+        assert_eq!(parse_memory("4g").unwrap(), 4 << 30);
+        assert_eq!(parse_memory("64 kB").unwrap(), 64 << 10);
+        assert_eq!(parse_memory("1000").unwrap(), 1000);
+        for text in ["", "0", "M", "-1M", "1X", "1.5G", "99999999999T", "5iB"] {
+            parse_memory(text).unwrap_err();
         }
     }
 

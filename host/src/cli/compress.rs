@@ -1,35 +1,52 @@
 //! `wavelift compress`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
-use wavelift_host::codec::{self, Choice, CompressError, CompressOptions, Effort, Report};
-use wavelift_host::volume::Volume;
+use serde_json::{Map, Value, json};
+use wavelift_host::codec::{self, Choice, CompressError, CompressOptions, Effort, Report, Step, Summary};
+use wavelift_host::volume::{ElementType, Header};
 use wavelift_kernel::Wavelet;
 
 use super::bound::{self, BoundArgs};
-use super::choice::{Levels, effort_names, parse_brick, parse_threads, wavelet_choices};
+use super::choice::{Levels, effort_names, parse_brick, parse_memory, parse_threads, wavelet_choices};
 use super::exit::Failure;
-use super::input::{RawArgs, read_volume, refuse_same_file};
+use super::input::{RawArgs, open_source, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
-use super::progress;
+use super::progress::Bar;
 
 /// Compress a volume without loss, or within an error bound
 ///
-/// INPUT is NRRD, NumPy or raw samples of any integer or floating-point type; OUTPUT holds the same samples, bit for
-/// bit unless an error bound is given, and all that the header said. It appears whole or not at all.
+/// INPUT is a file of any format that wavelift knows, of any integer or floating-point type, with any number of
+/// components and time steps; OUTPUT holds the same values, bit for bit unless an error bound is given, and all that the
+/// header said. Both may be larger than memory. OUTPUT appears whole or not at all.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   wavelift compress head.nrrd head.wlift
   wavelift compress engine.raw engine.wlift --extent 256x256x128 --type u8
-  wavelift compress density.npy density.wlift --relative-error 1e-4 --brick 128")]
+  wavelift compress density.npy density.wlift --relative-error 1e-4 --brick 128
+  wavelift compress wind.nrrd wind.wlift --component-names u,v,w --memory 512MiB")]
 pub(crate) struct Args {
-    /// Volume to compress: .nrrd, .nhdr, .npy, or raw samples with --extent and --type
+    /// Volume to compress: of any format that wavelift knows, or raw samples with --extent and --type
     pub(crate) input: PathBuf,
     /// Compressed file to write
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) how: How,
+    /// Names of the components of a sample, kept with them
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
+    pub(crate) component_names: Vec<String>,
+    /// Report sizes and choices as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) raw: RawArgs,
+}
+
+/// How volumes are compressed.
+#[derive(Debug, clap::Args)]
+pub(crate) struct How {
     /// Wavelet of the transform; none does without (smallest for sparse, noisy or very smooth volumes), auto takes
     /// whichever of all makes this volume smallest
     #[arg(long, value_name = "W", default_value = "auto", value_parser = wavelet_choices())]
@@ -51,11 +68,24 @@ pub(crate) struct Args {
     /// Threads to work on; the file is the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// Report sizes and choices as JSON
-    #[arg(long)]
-    pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) raw: RawArgs,
+    /// Memory to work in, about, such as 512MiB or 4G; the file is the same for any [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = parse_memory)]
+    pub(crate) memory: Option<u64>,
+}
+
+impl How {
+    pub(crate) fn options(&self) -> CompressOptions {
+        CompressOptions {
+            wavelet: self.wavelet,
+            levels: self.levels.count(),
+            effort: self.effort,
+            tolerance: self.bound.tolerance(),
+            brick: self.brick,
+            threads: self.threads,
+            memory: self.memory,
+            ..CompressOptions::default()
+        }
+    }
 }
 
 /// Compresses a volume.
@@ -67,65 +97,118 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
-    let volume = read_volume(&args.input, args.raw.layout(None)?.as_ref())?;
-    let options = CompressOptions {
-        wavelet: args.wavelet,
-        levels: args.levels.count(),
-        effort: args.effort,
-        tolerance: args.bound.tolerance(),
-        brick: args.brick,
-        threads: args.threads,
-    };
-    let samples = volume.extent.into_iter().product();
-    let bar = progress::bar("compressing", samples);
+    let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
+    let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
+    let count = |values| bar.count(values);
+    let options = CompressOptions { names: args.component_names.clone(), ..args.how.options() };
     let report = write_atomically(&args.output, |out| {
-        codec::compress(&volume, &options, out, &|samples| bar.inc(samples)).map_err(|error| match error {
-            CompressError::Io(cause) => Failure::cannot_write(&args.output, &cause),
-            fault => Failure::new(fault.kind(), fault),
-        })
+        codec::compress_stream(source.as_mut(), &options, out, &count)
+            .map_err(|error| failure(&args.output, &error))
     })?;
     drop(bar);
-    if args.json {
-        return print_json(&document(args, &volume, &report));
+    tell_of(&args.input, &args.output, &report, args.json)
+}
+
+/// How many values a data set has.
+pub(crate) fn values(header: &Header) -> u64 {
+    header.bytes().map_or(0, |bytes| bytes / header.element.bytes() as u64)
+}
+
+/// Why a file could not be written.
+pub(crate) fn failure(output: &Path, error: &CompressError) -> Failure {
+    match error {
+        CompressError::Io(cause) => Failure::cannot_write(output, cause),
+        fault => Failure::new(fault.kind(), fault),
     }
-    let [x, y, z] = volume.extent;
+}
+
+/// Tells what came of it.
+pub(crate) fn tell_of(input: &Path, output: &Path, report: &Report, json: bool) -> Result<(), Failure> {
+    if json {
+        return print_json(&document(input, output, report));
+    }
+    let head = &report.head;
+    let [x, y, z] = head.extent;
+    let components =
+        if head.components > 1 { format!(" of {} components", head.components) } else { String::new() };
+    let steps =
+        if report.steps.len() == 1 { String::new() } else { format!(", {} time steps", report.steps.len()) };
+    let channels =
+        report.steps.iter().zip(&report.summaries).flat_map(|(step, all)| step.channels.iter().zip(all));
+    let (mut told, mut transforms) = (Vec::new(), Vec::new());
+    for (channel, summary) in channels {
+        let transform =
+            format!("wavelet {}, {} levels", channel.wavelet.map_or("none", Wavelet::name), channel.levels);
+        push_new(&mut transforms, transform);
+        bound::lines(channel, summary).into_iter().for_each(|line| push_new(&mut told, line));
+    }
     tell(format_args!(
-        "{}: {x}x{y}x{z} {}, {} bytes -> {}: {} bytes, {:.3} bits a sample, {:.2}:1, wavelet {}, {} levels",
-        args.input.display(),
-        volume.element,
+        "{}: {x}x{y}x{z} {}{components}{steps}, {} bytes -> {}: {} bytes, {:.3} bits a value, {:.2}:1, {}",
+        input.display(),
+        head.element,
         report.sample_bytes,
-        args.output.display(),
+        output.display(),
         report.container_bytes,
-        8.0 * report.container_bytes as f64 / samples as f64,
+        bits(report),
         report.sample_bytes as f64 / report.container_bytes as f64,
-        report.steps[0].channels[0].wavelet.map_or("none", Wavelet::name),
-        report.steps[0].channels[0].levels,
+        transforms.join("; "),
     ));
-    bound::lines(&report.steps[0].channels[0], &report.summaries[0][0])
-        .iter()
-        .for_each(|line| tell(format_args!("{line}")));
+    told.iter().for_each(|line| tell(format_args!("{line}")));
     Ok(())
 }
 
-fn document(args: &Args, volume: &Volume, report: &Report) -> Value {
-    let (channel, summary) = (&report.steps[0].channels[0], &report.summaries[0][0]);
-    let samples: u64 = volume.extent.into_iter().product();
+fn push_new(texts: &mut Vec<String>, text: String) {
+    if !texts.contains(&text) {
+        texts.push(text);
+    }
+}
+
+/// Bits that a value takes in the file.
+fn bits(report: &Report) -> f64 {
+    let values = report.sample_bytes as f64 / report.head.element.bytes() as f64;
+    8.0 * report.container_bytes as f64 / values
+}
+
+fn document(input: &Path, output: &Path, report: &Report) -> Value {
+    let head = &report.head;
     let mut document = json!({
-        "input": args.input.display().to_string(),
-        "output": args.output.display().to_string(),
-        "extent": volume.extent,
-        "type": volume.element.name(),
+        "input": input.display().to_string(),
+        "output": output.display().to_string(),
+        "extent": head.extent,
+        "components": head.components,
+        "type": head.element.name(),
         "sample_bytes": report.sample_bytes,
         "bytes": report.container_bytes,
-        "bits_per_sample": 8.0 * report.container_bytes as f64 / samples as f64,
-        "bricks": summary.bricks.len(),
-        "effort": channel.effort.name(),
-        "wavelet": channel.wavelet.map_or("none", Wavelet::name),
-        "levels": channel.levels,
-        "readable_levels": channel.readable_levels,
+        "bits_per_sample": bits(report),
+        "bricks": report.summaries.iter().flatten().map(|summary| summary.bricks.len()).sum::<usize>(),
+        "readable_levels": report.steps.iter().map(Step::readable_levels).min(),
     });
     if let Value::Object(fields) = &mut document {
-        fields.extend(bound::fields(channel, summary));
+        fields.extend(steps_document(&report.steps, &report.summaries, head.element));
     }
     document
+}
+
+/// How every component of every time step is coded; of one volume of single values at the top as well.
+pub(crate) fn steps_document(
+    steps: &[Step],
+    summaries: &[Vec<Summary>],
+    element: ElementType,
+) -> Map<String, Value> {
+    let mut fields = Map::new();
+    if let ([step], [summaries]) = (steps, summaries)
+        && let ([channel], [summary]) = (&step.channels[..], &summaries[..])
+    {
+        fields.insert("brick".to_owned(), json!(step.sides));
+        fields.extend(bound::channel_fields(channel, summary, element));
+    }
+    let of_step = |(step, summaries): (&Step, &Vec<Summary>)| {
+        let channels = step.channels.iter().zip(summaries);
+        let channels: Vec<Value> = channels
+            .map(|(channel, summary)| bound::channel_fields(channel, summary, element).into())
+            .collect();
+        json!({ "name": step.name, "time": step.time, "brick": step.sides, "components": channels })
+    };
+    fields.insert("steps".to_owned(), steps.iter().zip(summaries).map(of_step).collect());
+    fields
 }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use wavelift_host::codec::Container;
-use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header, ReadError, WriteOptions};
+use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header, WriteOptions};
 
 use super::exit::Failure;
-use super::input::{RawArgs, byte_order_names, refuse_same_file};
+use super::input::{RawArgs, byte_order_names, open_source, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
 use super::progress::Bar;
 
@@ -48,15 +48,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
-    let mut source = open(args)?;
+    let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
     let header = source.header().clone();
     let options = WriteOptions { byte_order: args.output_byte_order, gzip: args.gzip };
     let Created { sink, losses } = volume::create(&args.output, &header, &options)?;
-    let bar = Bar::new(
-        "converting",
-        samples(&header),
-        u64::from(header.components) * header.element.bytes() as u64,
-    );
+    let sample_bytes = header.components as usize * header.element.bytes();
+    let bar = Bar::new("converting", samples(&header), sample_bytes);
     volume::copy(source.as_mut(), sink, &|samples| bar.count(samples))?;
     drop(bar);
     let format = FileFormat::of_path(&args.output);
@@ -92,16 +89,11 @@ fn refuse_compressed(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-fn open(args: &Args) -> Result<Box<dyn volume::Source>, Failure> {
-    let layout = args.raw.layout(None)?;
-    volume::open(&args.input, layout.as_ref()).map_err(ReadError::into)
-}
-
 fn samples(header: &Header) -> u64 {
     header.extent.into_iter().fold(header.steps, u64::saturating_mul)
 }
 
-fn in_words(header: &Header) -> String {
+pub(crate) fn in_words(header: &Header) -> String {
     let [x, y, z] = header.extent;
     let mut text = format!("{x}x{y}x{z} {}", header.element);
     if header.components > 1 {

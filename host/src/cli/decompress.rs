@@ -1,33 +1,35 @@
 //! `wavelift decompress`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use wavelift_host::codec::{Container, Part, Region};
-use wavelift_host::volume::{self, ByteOrder, FileFormat, WriteOptions};
+use wavelift_host::codec::{Container, ContainerError, DecompressOptions, Part, Region};
+use wavelift_host::volume::{self, ByteOrder, Created, FileFormat, Header, WriteOptions};
 use wavelift_kernel::Wavelet;
 
-use super::choice::parse_threads;
+use super::choice::{parse_memory, parse_threads};
+use super::convert::in_words;
 use super::exit::Failure;
 use super::input::{byte_order_names, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say, tell};
-use super::progress;
+use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
+use super::progress::Bar;
 
-/// Get a volume back: all of it, a region, or a coarse level
+/// Get a volume back: all of it, a region, a coarse level, a time step, a component
 ///
-/// OUTPUT is NRRD, NumPy or raw by its extension, and by default as the volume was before: same byte order, same
+/// OUTPUT is of the format that its extension says, raw for an unknown one, and by default as the volume was before: same byte order, same
 /// order of axes, same header where the format has room for it. It appears whole or not at all.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   wavelift decompress head.wlift head.nrrd
   wavelift decompress head.wlift preview.nrrd --level 2
-  wavelift decompress engine.wlift corner.npy --region 0:64,0:64,0:32")]
+  wavelift decompress engine.wlift corner.npy --region 0:64,0:64,0:32
+  wavelift decompress wind.wlift up.nrrd --step 3 --component 2")]
 pub(crate) struct Args {
     /// Compressed file
     pub(crate) input: PathBuf,
-    /// Volume to write: .nrrd, .nhdr (samples in a file beside it), .npy, or raw samples for any other extension
+    /// File to write: its extension says the format, .nhdr has its samples in a file beside it; raw samples for an unknown one
     pub(crate) output: PathBuf,
     /// Resolution: 0 is full, each level more has half the samples along each axis
     #[arg(long, value_name = "L", default_value_t = 0)]
@@ -36,6 +38,12 @@ pub(crate) struct Args {
     /// taken whole
     #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1")]
     pub(crate) region: Option<Region>,
+    /// Time step, the first is 0 [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) step: Option<u64>,
+    /// Component of the samples, the first is 0 [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) component: Option<u32>,
     /// Order of the bytes of a sample in OUTPUT [default: as it was in the file compressed]
     #[arg(long, value_name = "ORDER", value_parser = byte_order_names())]
     pub(crate) byte_order: Option<ByteOrder>,
@@ -45,6 +53,9 @@ pub(crate) struct Args {
     /// Threads to work on [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
+    /// Memory to work in, about, such as 512MiB or 4G [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = parse_memory)]
+    pub(crate) memory: Option<u64>,
     /// Report what was written as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -59,39 +70,49 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
-    let at_input = |error| Failure::of_container(&args.input, &error);
+    let at_input = |error| failure(&args.input, error);
     let container = Container::open(&args.input).map_err(at_input)?;
-    let part = Part { level: args.level, region: args.region, ..Part::default() };
-    let bar = progress::bar("decompressing", container.samples_read(&part));
-    let volume = container.read(&part, args.threads, &|samples| bar.inc(samples)).map_err(at_input)?;
-    drop(bar);
+    let part = Part { level: args.level, region: args.region, step: args.step, component: args.component };
+    let header = container.header_of(&part).map_err(at_input)?;
     let options = WriteOptions { byte_order: args.byte_order, gzip: args.gzip };
-    let losses = volume::write(&volume, &args.output, &options)?;
+    let Created { sink, losses } = volume::create(&args.output, &header, &options)?;
+    let bar = Bar::new("decompressing", container.values(&part), header.element.bytes());
+    let count = |values| bar.count(values);
+    let options = DecompressOptions { threads: args.threads, memory: args.memory };
+    container.decompress(&part, sink, &options, &count).map_err(at_input)?;
+    drop(bar);
+    tell_of(args, &container, &header, &losses)
+}
+
+/// A failure to read or to write.
+fn failure(input: &Path, error: ContainerError) -> Failure {
+    match error {
+        ContainerError::Write(error) => error.into(),
+        other => Failure::of_container(input, &other),
+    }
+}
+
+/// Tells what was written, and what the format has no place for.
+fn tell_of(args: &Args, container: &Container, header: &Header, losses: &[String]) -> Result<(), Failure> {
     let format = FileFormat::of_path(&args.output);
     if args.json {
         return print_json(&json!({
             "input": args.input.display().to_string(),
             "output": args.output.display().to_string(),
             "format": format.name(),
-            "extent": volume.extent,
-            "type": volume.element.name(),
-            "sample_bytes": volume.samples.len(),
+            "extent": header.extent,
+            "components": header.components,
+            "steps": header.steps,
+            "type": header.element.name(),
+            "sample_bytes": header.bytes(),
             "not_kept": losses,
         }));
     }
-    if !losses.is_empty() {
-        let (output, format, losses) = (args.output.display(), format.name(), losses.join(", "));
-        say(format_args!("wavelift: {output}: {format} has no place for {losses}"));
-    }
-    let [x, y, z] = volume.extent;
-    tell(format_args!(
-        "{}: {x}x{y}x{z} {}, {} bytes of samples, {}",
-        args.output.display(),
-        volume.element,
-        volume.samples.len(),
-        format.name(),
-    ));
-    let wavelet = container.step(0).map_err(at_input)?.channels[0].wavelet;
+    say_losses(&args.output, losses);
+    let (output, bytes) = (args.output.display(), header.bytes().unwrap_or(u64::MAX));
+    tell(format_args!("{output}: {}, {bytes} bytes of samples, {}", in_words(header), format.name()));
+    let step = container.step(args.step.unwrap_or(0)).map_err(|error| failure(&args.input, error))?;
+    let wavelet = step.channels.iter().find_map(|channel| channel.wavelet);
     if let Some(wavelet) = wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet)) {
         tell(format_args!("coarse levels under {wavelet} come in steps; under haar and linear they do not"));
     }

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use wavelift_host::codec::{Channel, Container, ContainerError, Head, Step, Summary};
 use wavelift_host::volume::{HeaderLine, Metadata, sample_bytes};
-use wavelift_kernel::Wavelet;
 
 use super::bound;
+use super::compress::steps_document;
 use super::exit::Failure;
 use super::output::{print, print_json};
 
@@ -73,7 +73,7 @@ impl Contents {
         step.checked_mul(self.steps.len() as u64)
     }
 
-    /// What is the same for all, and, for a single volume of single values, how it is coded.
+    /// All of it, for scripts.
     fn document(&self, input: &Path) -> Value {
         let Self { head, metadata, steps, summaries, .. } = self;
         let mut document = json!({
@@ -99,41 +99,8 @@ impl Contents {
             "origin": metadata.origin(),
             "header": metadata.lines.iter().map(entry).collect::<Vec<_>>(),
         });
-        let of_step = |(step, summaries): (&Step, &Vec<Summary>)| {
-            let channels: Vec<Value> = step
-                .channels
-                .iter()
-                .zip(summaries)
-                .map(|(channel, summary)| self.channel(channel, summary))
-                .collect();
-            json!({ "name": step.name, "time": step.time, "brick": step.sides, "components": channels })
-        };
         if let Value::Object(fields) = &mut document {
-            if let ([step], [summaries]) = (&steps[..], &summaries[..])
-                && let ([channel], [summary]) = (&step.channels[..], &summaries[..])
-                && let Value::Object(of_channel) = self.channel(channel, summary)
-            {
-                fields.insert("brick".to_owned(), json!(step.sides));
-                fields.extend(of_channel);
-            }
-            fields.insert("steps".to_owned(), steps.iter().zip(summaries).map(of_step).collect());
-        }
-        document
-    }
-
-    /// How one component of a time step is coded, and what its samples are like.
-    fn channel(&self, channel: &Channel, summary: &Summary) -> Value {
-        let range = summary.range(self.head.element);
-        let mut document = json!({
-            "effort": channel.effort.name(),
-            "wavelet": channel.wavelet.map_or("none", Wavelet::name),
-            "levels": channel.levels,
-            "readable_levels": channel.readable_levels,
-            "min": range.map(|[min, _]| min),
-            "max": range.map(|[_, max]| max),
-        });
-        if let Value::Object(fields) = &mut document {
-            fields.extend(bound::fields(channel, summary));
+            fields.extend(steps_document(steps, summaries, head.element));
         }
         document
     }

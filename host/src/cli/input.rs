@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use wavelift_host::codec::Container;
 use wavelift_host::volume::{
-    self, ByteOrder, ElementType, Fault, RankedExtent, RawLayout, ReadError, Volume,
+    self, ByteOrder, ElementType, Fault, RankedExtent, RawLayout, ReadError, Source, Volume,
 };
 use wavelift_kernel::Wavelet;
 
@@ -67,7 +67,19 @@ impl RawArgs {
 /// # Errors
 /// A [`Failure`], which tells a compressed file from a raw one without a layout.
 pub(crate) fn read_volume(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, Failure> {
-    volume::read(path, layout).map_err(|error| match error {
+    volume::read(path, layout).map_err(|error| failure(path, error))
+}
+
+/// Opens a data set of any format.
+///
+/// # Errors
+/// As [`read_volume`].
+pub(crate) fn open_source(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, Failure> {
+    volume::open(path, layout).map_err(|error| failure(path, error))
+}
+
+fn failure(path: &Path, error: ReadError) -> Failure {
+    match error {
         // What came through a pipe is gone, and cannot be looked at again.
         ReadError::NoLayout { .. } | ReadError::LayoutMismatch { .. }
             if path.is_file() && Container::is_container(path) =>
@@ -75,7 +87,7 @@ pub(crate) fn read_volume(path: &Path, layout: Option<&RawLayout>) -> Result<Vol
             Failure::at(path, Fault::Usage, "is a wavelift file already: decompress it first")
         }
         other => other.into(),
-    })
+    }
 }
 
 /// Refuses to write a file over the one it is made from.

@@ -1,5 +1,6 @@
 //! The command line: words to options of the library, and what went wrong to an exit code.
 
+mod append;
 mod bound;
 mod choice;
 mod compress;
@@ -43,6 +44,7 @@ Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 
 enum Command {
     Compress(compress::Args),
     Decompress(decompress::Args),
+    Append(append::Args),
     Convert(convert::Args),
     Preview(preview::Args),
     Info(info::Args),
@@ -59,6 +61,7 @@ pub(crate) fn run() -> ExitCode {
     let outcome = match Program::parse().command {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),
+        Command::Append(args) => append::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Preview(args) => preview::run(&args),
         Command::Info(args) => info::run(&args),

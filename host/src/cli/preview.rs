@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use serde_json::json;
 use wavelift_host::codec::{Container, ContainerError};
 use wavelift_host::preview::{self, Axis, Depth, Picture, Select, Shown, View, Window};
-use wavelift_host::volume::{self, Fault};
+use wavelift_host::volume::Fault;
 
 use super::choice::parse_threads;
 use super::exit::Failure;
-use super::input::{RawArgs, refuse_same_file};
+use super::input::{RawArgs, open_source, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
 
 /// Draw a slice of a volume, or the largest values along an axis, as a PNG picture
@@ -126,7 +126,7 @@ fn of_source(args: &Args, view: View, select: Select) -> Result<Picture, Failure
         return Err(Failure::at(&args.input, Fault::Usage, message));
     }
     let layout = args.raw.layout(None)?;
-    let mut source = volume::open(&args.input, layout.as_ref())?;
+    let mut source = open_source(&args.input, layout.as_ref())?;
     preview::of_source(source.as_mut(), view, select).map_err(|error| failure(args, error))
 }
 

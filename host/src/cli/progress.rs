@@ -15,7 +15,8 @@ pub(crate) struct Bar {
 
 impl Bar {
     /// A bar for `samples` of so many bytes.
-    pub(crate) fn new(label: &'static str, samples: u64, bytes: u64) -> Self {
+    pub(crate) fn new(label: &'static str, samples: u64, bytes: usize) -> Self {
+        let bytes = bytes as u64;
         let target = ProgressDrawTarget::stderr_with_hz(8);
         let style = "{msg} {wide_bar:.cyan} {percent:>3} %, {decimal_bytes_per_sec}, {eta} left";
         let style = ProgressStyle::with_template(style).expect("the template is sound");
@@ -48,15 +49,4 @@ impl Drop for Bar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
-}
-/// A bar on standard error that counts up to `samples`; nothing is shown where that is no terminal.
-///
-/// It disappears when it is dropped. Hand `&|samples| bar.inc(samples)` to the library.
-pub(crate) fn bar(label: &'static str, samples: u64) -> ProgressBar {
-    let target = ProgressDrawTarget::stderr_with_hz(8);
-    let style = ProgressStyle::with_template("{msg} {wide_bar:.cyan} {percent:>3} %, {eta} left")
-        .expect("the template is sound");
-    let bar = ProgressBar::with_draw_target(Some(samples), target).with_style(style).with_message(label);
-    bar.enable_steady_tick(Duration::from_millis(500));
-    bar
 }

@@ -7,7 +7,8 @@ use wavelift_host::volume::{self, Volume};
 
 use super::exit::Failure;
 use super::input::{RawArgs, read_volume, refuse_same_file};
-use super::{output, progress};
+use super::output;
+use super::progress::Bar;
 
 /// Compare the six wavelets on a volume, or on a built-in slice and brick
 ///
@@ -78,7 +79,10 @@ fn built_in(levels: Option<u8>) -> Result<Vec<Table>, Failure> {
 fn measure(path: &Path, title: &str, volume: &Volume, levels: Option<u8>) -> Result<Table, Failure> {
     let samples = (volume.samples.len() / volume.element.bytes()) as u64;
     // Six wavelets and none.
-    let bar = progress::bar("measuring", 7 * samples);
-    let table = tables::measure(title, volume, levels, &|samples| bar.inc(samples));
+    let bar = Bar::new("measuring", 7 * samples, volume.element.bytes());
+    let count = |samples| {
+        let _to_be_continued = bar.count(samples);
+    };
+    let table = tables::measure(title, volume, levels, &count);
     table.map_err(|error| Failure::at(path, error.kind(), error))
 }

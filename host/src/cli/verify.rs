@@ -2,19 +2,20 @@
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
-use wavelift_host::bound::Deviation;
-use wavelift_host::codec::{Container, ContainerError, Part};
-use wavelift_host::volume::{self, Fault, RankedExtent, RawLayout, ReadError, Volume};
+use wavelift_host::codec::{Comparison, Container, ContainerError, DecompressOptions, Difference, Part};
+use wavelift_host::volume::{self, ElementType, Fault, Header, RankedExtent, RawLayout, ReadError, Source};
 
-use super::choice::parse_threads;
+use super::choice::{parse_memory, parse_threads};
+use super::convert::in_words;
 use super::exit::Failure;
-use super::input::{RawArgs, read_volume};
+use super::input::{RawArgs, open_source};
 use super::output::{print, print_json, say};
-use super::progress;
+use super::progress::Bar;
 
 /// Check a compressed file, and compare it with the original
 ///
@@ -31,12 +32,15 @@ Examples:
 pub(crate) struct Args {
     /// Compressed file
     pub(crate) input: PathBuf,
-    /// Volume that was compressed: .nrrd, .nhdr, .npy, or raw samples, which are taken to lie as the compressed file
+    /// Volume that was compressed: of any format that wavelift knows, or raw samples, which are taken to lie as the compressed file
     /// says unless --extent, --type or --byte-order say otherwise
     pub(crate) original: Option<PathBuf>,
     /// Threads to work on [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<NonZeroUsize>,
+    /// Memory to work in, about, such as 512MiB or 4G [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = parse_memory)]
+    pub(crate) memory: Option<u64>,
     /// Report what was found as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -123,38 +127,17 @@ impl Findings {
 }
 
 fn examine(args: &Args, container: &Container) -> Result<Findings, Failure> {
-    let bricks = Some(container.bricks() as usize);
-    let Some(path) = &args.original else {
-        return Ok(Findings { bricks, damaged: damaged(args, container)?, ..Findings::default() });
-    };
-    let original = read_original(args, path, container)?;
-    let bar = progress::bar("comparing", container.samples_read(&Part::default()));
-    match container.read(&Part::default(), args.threads, &|samples| bar.inc(samples)) {
-        Ok(decoded) => {
-            let bound =
-                container.step(0).ok().and_then(|step| step.channels[0].bound).map(|bound| bound.error);
-            let (difference, largest) = match compare(&decoded, &original, bound) {
-                Ok(largest) => (None, largest),
-                Err(difference) => (Some(difference), None),
-            };
-            Ok(Findings { bricks, damaged: Vec::new(), difference, errors: bound.zip(largest) })
-        }
-        // Reading checks everything, but stops at the first damaged brick.
-        Err(ContainerError::Brick { .. }) => {
-            drop(bar);
-            Ok(Findings { bricks, damaged: damaged(args, container)?, ..Findings::default() })
-        }
-        Err(error) => Err(Failure::of_container(&args.input, &error)),
-    }
-}
-
-/// Decodes every brick and tells those that are damaged, in their order.
-fn damaged(args: &Args, container: &Container) -> Result<Vec<String>, Failure> {
     let errors = Mutex::new(Vec::new());
-    let bar = progress::bar("verifying", container.samples_read(&Part::default()));
     let note = |error| errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
     let at_input = |error: &ContainerError| Failure::of_container(&args.input, error);
-    container.verify(args.threads, &|samples| bar.inc(samples), &note).map_err(|error| at_input(&error))?;
+    let bar = Bar::new("verifying", container.values(&Part::default()), container.head().element.bytes());
+    let count = |values| bar.count(values);
+    let comparison = match &args.original {
+        None => container.verify(args.threads, &count, &note).map(|()| Ok(Comparison::default())),
+        Some(path) => Ok(compare(args, path, container, (&count, &note))?),
+    };
+    let comparison = comparison.map_err(|error| at_input(&error))?;
+    drop(bar);
     let mut damaged = BTreeSet::new();
     for error in errors.into_inner().unwrap_or_else(PoisonError::into_inner) {
         let place = match error {
@@ -164,23 +147,60 @@ fn damaged(args: &Args, container: &Container) -> Result<Vec<String>, Failure> {
         };
         damaged.insert((place, error.to_string()));
     }
-    Ok(damaged.into_iter().map(|(_, message)| message).collect())
+    let damaged: Vec<String> = damaged.into_iter().map(|(_, message)| message).collect();
+    let bricks = Some(container.bricks() as usize);
+    Ok(match comparison {
+        Ok(Comparison { difference, largest }) if damaged.is_empty() => {
+            let bound = container.step(0).ok().and_then(|step| step.channels[0].bound);
+            let difference =
+                difference.map(|found| difference_in_words(&found, largest, container.head().components));
+            Findings { bricks, damaged, difference, errors: bound.map(|bound| bound.error).zip(largest) }
+        }
+        Ok(_) => Findings { bricks, damaged, ..Findings::default() },
+        Err(difference) => Findings { bricks, damaged, difference: Some(difference), errors: None },
+    })
 }
 
-/// Reads the original; as a raw file it lies as the compressed file says, but for what is given.
-fn read_original(args: &Args, path: &Path, container: &Container) -> Result<Volume, Failure> {
-    let at_input = |error: ContainerError| Failure::of_container(&args.input, &error);
-    let (head, metadata) = (container.head(), container.metadata().map_err(at_input)?);
+/// Who is told of values that are done, and of what is damaged.
+type Watch<'a> = (&'a (dyn Fn(u64) -> ControlFlow<()> + Sync), &'a (dyn Fn(ContainerError) + Sync));
+
+/// Compares with the original; what makes that impossible is a difference too.
+fn compare(
+    args: &Args,
+    path: &Path,
+    container: &Container,
+    (count, note): Watch<'_>,
+) -> Result<Result<Comparison, String>, Failure> {
+    let mut original = open_original(args, path, container)?;
+    let ours = container.head().header(container.steps(), original.header().metadata.clone());
+    if (ours.extent, ours.components, ours.steps, ours.element) != kind(original.header()) {
+        let (theirs, ours) = (in_words(original.header()), in_words(&ours));
+        return Ok(Err(format!("holds {theirs}, but the compressed file {ours}")));
+    }
+    let options = DecompressOptions { threads: args.threads, memory: args.memory };
+    match container.compare(original.as_mut(), &options, count, note) {
+        Ok(comparison) => Ok(Ok(comparison)),
+        Err(error) => Err(Failure::new(error.kind(), error)),
+    }
+}
+
+const fn kind(header: &Header) -> ([u64; 3], u32, u64, ElementType) {
+    (header.extent, header.components, header.steps, header.element)
+}
+
+/// Opens the original; as a raw file it lies as the compressed file says, but for what is given.
+fn open_original(args: &Args, path: &Path, container: &Container) -> Result<Box<dyn Source>, Failure> {
+    let (head, order) = (container.head(), container.metadata().map(|metadata| metadata.source.byte_order));
     let known = RawLayout {
         extent: RankedExtent::new(&head.extent)
             .map_err(|fault| Failure::at(&args.input, Fault::Data, fault))?,
         element: head.element,
-        byte_order: metadata.source.byte_order,
+        byte_order: order.unwrap_or_default(),
     };
     if let Some(layout) = args.raw.completed_by(known) {
-        return read_volume(path, Some(&layout));
+        return open_source(path, Some(&layout));
     }
-    volume::read_known(path, &known).map_err(|error| match error {
+    volume::open_known(path, &known).map_err(|error| match error {
         ReadError::LayoutMismatch { layout, expected, found, .. } => {
             let message =
                 format!("has {found} bytes, but the compressed file holds {layout}, {expected} bytes");
@@ -190,55 +210,35 @@ fn read_original(args: &Args, path: &Path, container: &Container) -> Result<Volu
     })
 }
 
-/// Compares two volumes: same extent, same type, and samples that are equal or, with a bound, within it. Returns the
-/// largest error where there is a bound, or else where they differ first.
-fn compare(decoded: &Volume, original: &Volume, bound: Option<f64>) -> Result<Option<f64>, String> {
-    if (decoded.extent, decoded.element) != (original.extent, original.element) {
-        let say = |volume: &Volume| {
-            let [x, y, z] = volume.extent;
-            format!("{x}x{y}x{z} {}", volume.element)
-        };
-        return Err(format!("holds {}, but the compressed file {}", say(original), say(decoded)));
-    }
-    let (element, ours, theirs) = (decoded.element, &decoded.samples, &original.samples);
-    let (sample, by, largest) = match bound {
-        None => {
-            let first = ours.iter().zip(theirs).position(|(a, b)| a != b);
-            (first.map(|byte| byte / element.bytes()), String::new(), None)
-        }
-        Some(bound) => {
-            let Deviation { largest, beyond } = Deviation::of(element, theirs, ours, bound);
-            (beyond, format!(" by more than {bound:e}"), Some(largest))
-        }
+/// Where the original differs first.
+fn difference_in_words(found: &Difference, largest: Option<f64>, components: u32) -> String {
+    let Difference { step, sample: [z, y, x], component, bound } = found;
+    let by = bound.map_or_else(String::new, |bound| format!(" by more than {bound:e}"));
+    let of = match (step, components) {
+        (0, 1) => String::new(),
+        (step, 1) => format!(" of time step {step}"),
+        (step, _) => format!(" of time step {step}, component {component}"),
     };
-    let Some(sample) = sample.map(|sample| sample as u64) else { return Ok(largest) };
-    let [width, height, _] = decoded.extent;
-    let (x, y, z) = (sample % width, sample / width % height, sample / width / height);
-    let most = largest.map_or_else(String::new, |largest| format!("; the largest error is {largest:e}"));
-    Err(format!("differs{by} from the compressed file, first at sample ({x}, {y}, {z}){most}"))
+    let most = largest.filter(|_| bound.is_some());
+    let most = most.map_or_else(String::new, |largest| format!("; the largest error is {largest:e}"));
+    format!("differs{by} from the compressed file, first at sample ({x}, {y}, {z}){of}{most}")
 }
 
 #[cfg(test)]
 mod tests {
-    use wavelift_host::volume::ElementType;
-    use wavelift_host::volume::synthetic::{Kind, generate};
-
     use super::*;
 
     #[test]
     fn differences_are_named() {
-        let volume = generate(Kind::Waves, [4, 3, 2], ElementType::U16, 1);
-        assert_eq!(compare(&volume, &volume, None), Ok(None));
-        let mut changed = volume.clone();
-        changed.samples[2 * (4 + 1) + 1] ^= 1;
-        assert!(compare(&volume, &changed, None).unwrap_err().ends_with("(1, 1, 0)"));
-        assert_eq!(compare(&volume, &changed, Some(256.0)), Ok(Some(256.0)));
-        let beyond = compare(&volume, &changed, Some(255.5)).unwrap_err();
-        assert!(beyond.contains("(1, 1, 0)") && beyond.ends_with("the largest error is 2.56e2"), "{beyond}");
-        let other = generate(Kind::Waves, [4, 3, 3], ElementType::U16, 1);
-        assert_eq!(
-            compare(&volume, &other, None).unwrap_err(),
-            "holds 4x3x3 u16, but the compressed file 4x3x2 u16"
+        let mut found = Difference { step: 0, sample: [0, 1, 2], component: 0, bound: None };
+        let text = difference_in_words(&found, None, 1);
+        assert_eq!(text, "differs from the compressed file, first at sample (2, 1, 0)");
+        (found.step, found.component, found.bound) = (3, 1, Some(255.5));
+        let text = difference_in_words(&found, Some(256.0), 2);
+        assert!(text.starts_with("differs by more than 2.555e2 from"), "{text}");
+        assert!(
+            text.ends_with("(2, 1, 0) of time step 3, component 1; the largest error is 2.56e2"),
+            "{text}"
         );
     }
 }

@@ -83,10 +83,10 @@ impl Encoded {
     }
 
     /// Takes note of the samples that a reader will get, and looks whether they are within the bound.
-    fn confirm(&mut self, samples: Samples<'_>, restored: &[u8], error: f64) -> Result<(), Unfaithful> {
+    fn confirm(&mut self, samples: Samples<'_>, restored: &[u8], error: f64) -> Result<(), Unencodable> {
         self.note(samples.element, restored);
         let deviation = Deviation::of(samples.element, samples.bytes, restored, error);
-        if deviation.beyond.is_some() { Err(Unfaithful) } else { Ok(()) }
+        if deviation.beyond.is_some() { Err(Unencodable::Unfaithful) } else { Ok(()) }
     }
 
     /// The checks of the beginnings that make levels, where those are shorter than the whole.
@@ -142,9 +142,14 @@ impl Expected {
     }
 }
 
-/// A brick that decodes to other samples than it may.
-#[derive(Debug)]
-pub(super) struct Unfaithful;
+/// Why a brick cannot be coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unencodable {
+    /// It decodes to other samples than it may.
+    Unfaithful,
+    /// It has values that the volume did not have when it was looked through.
+    Unknown,
+}
 
 /// The memory that is kept from brick to brick.
 #[derive(Debug)]
@@ -167,24 +172,24 @@ impl Worker {
     }
 
     /// Encodes a brick. What is not coded exactly is decoded again, to know what a reader will get.
-    pub(super) fn encode(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unfaithful> {
+    pub(super) fn encode(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
         match coding.form {
-            Form::Exact | Form::Packed(_) => Ok(self.encode_exactly(samples, coding)),
+            Form::Exact | Form::Packed(_) => self.encode_exactly(samples, coding),
             Form::Steps(_) | Form::Near(_) => self.encode_integers(samples, coding),
             Form::Scaled { scale, .. } => self.encode_scaled(samples, coding, scale),
         }
     }
 
     /// Encodes samples of which every bit is kept.
-    fn encode_exactly(&mut self, samples: Samples<'_>, coding: &Coding) -> Encoded {
-        let mut encoded = self.encode_planes(samples, coding);
+    fn encode_exactly(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
+        let mut encoded = self.encode_planes(samples, coding)?;
         encoded.note(samples.element, samples.bytes);
-        encoded
+        Ok(encoded)
     }
 
     /// Encodes integers, within the bound.
-    fn encode_integers(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unfaithful> {
-        let mut encoded = self.encode_planes(samples, coding);
+    fn encode_integers(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
+        let mut encoded = self.encode_planes(samples, coding)?;
         let planes = self.decode_again(samples, coding, &encoded)?;
         let restored = coding.form.join(samples.element, &planes);
         encoded.confirm(samples, &restored, coding.error)?;
@@ -197,11 +202,11 @@ impl Worker {
         samples: Samples<'_>,
         coding: &Coding,
         scale: Scale,
-    ) -> Result<Encoded, Unfaithful> {
+    ) -> Result<Encoded, Unencodable> {
         let element = samples.element;
-        let mut encoded = self.encode_planes(samples, coding);
+        let mut encoded = self.encode_planes(samples, coding)?;
         let planes = self.decode_again(samples, coding, &encoded)?;
-        let [integers] = &planes[..] else { return Err(Unfaithful) };
+        let [integers] = &planes[..] else { return Err(Unencodable::Unfaithful) };
         let exceptions = scaled::exceptions(element, scale, samples.bytes, integers, coding.error);
         let mut restored = coding.form.join(element, &planes);
         let mut kept = Kept::default();
@@ -210,14 +215,14 @@ impl Worker {
             kept = Kept { samples: exceptions.samples() as u32, bytes: stored.len() as u32 };
             if stored.len() > encoded.bytes.len() {
                 let exactly = Coding { transform: Transform::NONE, form: Form::Exact, ..*coding };
-                let exact = self.encode_exactly(samples, &exactly);
+                let exact = self.encode_exactly(samples, &exactly)?;
                 if exact.bytes.len() < encoded.bytes.len() + stored.len() {
                     return Ok(exact);
                 }
             }
             encoded.bytes.extend_from_slice(&stored);
             if !scaled::apply(&exceptions, element, (samples.sides, 0), &mut restored) {
-                return Err(Unfaithful);
+                return Err(Unencodable::Unfaithful);
             }
         }
         encoded.exceptions = Some(kept);
@@ -226,7 +231,7 @@ impl Worker {
     }
 
     /// Encodes the planes of samples.
-    fn encode_planes(&mut self, samples: Samples<'_>, coding: &Coding) -> Encoded {
+    fn encode_planes(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
         let (element, extent) = (samples.element, samples.extent());
         let mut encoded = Encoded::default();
         for (plane, sample_type) in coding.form.sample_types(element).into_iter().enumerate() {
@@ -235,7 +240,8 @@ impl Worker {
             let start = encoded.bytes.len();
             for &effort in coding.tried() {
                 self.integers.resize(extent.samples(), 0);
-                coding.form.split(element, plane, samples.bytes, &mut self.integers);
+                let split = coding.form.split(element, plane, samples.bytes, &mut self.integers);
+                split.ok_or(Unencodable::Unknown)?;
                 let len = match coding.form.slack() {
                     Some(slack) => self.encode_lattice(Near { extent, sample_type, slack }),
                     None => self.encode_plane(&coding.transform.plan(extent), sample_type, effort),
@@ -249,7 +255,7 @@ impl Worker {
             let len = encoded.bytes.len() - start;
             encoded.lengths.push(u32::try_from(len).expect("at most max_encoded_len"));
         }
-        encoded
+        Ok(encoded)
     }
 
     /// Encodes `self.integers` into `self.out`; returns the length.
@@ -276,10 +282,10 @@ impl Worker {
         samples: Samples<'_>,
         coding: &Coding,
         encoded: &Encoded,
-    ) -> Result<Vec<Vec<i32>>, Unfaithful> {
+    ) -> Result<Vec<Vec<i32>>, Unencodable> {
         let expected = Expected::new(samples.element, &coding.form, coding.transform, samples.extent());
         let decoded = self.decode(&encoded.bytes, &encoded.lengths, &expected, 0);
-        decoded.map(|decoded| decoded.planes).map_err(|_| Unfaithful)
+        decoded.map(|decoded| decoded.planes).map_err(|_| Unencodable::Unfaithful)
     }
 
     /// Decodes the codestreams of a brick down to `level`, or to its coarsest if it has fewer levels because it is

@@ -1,20 +1,26 @@
-//! A volume to a container.
+//! A data set to a container.
 
 use std::io::Write;
 use std::num::NonZeroUsize;
 
+use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use super::brick::{Coding, Encoded, Samples, Unfaithful, Worker};
-use super::content::{Channel, Head, Place, Step, Summary};
+use super::ahead::{BUFFERS, read_ahead};
+use super::brick::Coding;
+use super::content::{Channel, Head, Step, Summary};
+use super::encode::Job;
+use super::supply::{Block, Layout, Supply};
+use super::survey::Survey;
 use super::trial::Trial;
 use super::writer::Writer;
-use super::{Choice, CompressError, Effort, Form, Grid, Progress, pool};
-use crate::bound::{self, Bound, Tolerance};
-use crate::volume::{ElementType, Header, Volume, sample_bytes};
+use super::{Brick, Choice, CompressError, Container, Effort, Form, Grid, Progress, memory, pool};
+use crate::bound::{Bound, Tolerance};
+use crate::progress::tell;
+use crate::volume::{ElementType, Header, InMemory, Source, Volume, sample_bytes};
 
-/// How a volume is compressed.
-#[derive(Clone, Copy, Debug, Default)]
+/// How a data set is compressed.
+#[derive(Clone, Debug, Default)]
 pub struct CompressOptions {
     /// The wavelet.
     pub wavelet: Choice,
@@ -22,38 +28,48 @@ pub struct CompressOptions {
     pub levels: Option<u8>,
     /// How hard to try.
     pub effort: Effort,
-    /// How far a sample may move; `None` to keep every bit.
+    /// How far a sample may move; `None` to keep every bit. A relative bound is one of the range of each component of
+    /// each time step.
     pub tolerance: Option<Tolerance>,
     /// Sides of a brick; `None` for [`Grid::default_sides`] of [`Grid::SMALL_BRICK`], or of [`Grid::LARGE_BRICK`] for
     /// [`Effort::Dense`] and where samples may move, unless the effort is fast.
     pub brick: Option<[u32; 3]>,
     /// Threads; `None` for one per core. The bytes do not depend on it.
     pub threads: Option<NonZeroUsize>,
+    /// Bytes of memory to work in, about, beside that of the source; `None` for half of what is free. The bytes do not
+    /// depend on it.
+    pub memory: Option<u64>,
+    /// Names of the components; none, or one for each.
+    pub names: Vec<String>,
+    /// What the time steps are called; those beyond have no name.
+    pub labels: Vec<Label>,
+}
+
+/// What a time step is called.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Label {
+    /// Its name.
+    pub name: Option<String>,
+    /// Its time.
+    pub time: Option<f64>,
 }
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// Bytes of the samples.
+    /// Bytes of the samples that were compressed.
     pub sample_bytes: u64,
     /// Bytes of the container.
     pub container_bytes: u64,
     /// What is the same for every time step.
     pub head: Head,
-    /// The time steps.
+    /// The time steps that were compressed.
     pub steps: Vec<Step>,
-    /// What the samples are like, of each component of each time step.
+    /// What the samples are like, of each component of each of these time steps.
     pub summaries: Vec<Vec<Summary>>,
 }
 
-/// Bricks coded before they are written, per thread.
-const BATCH: usize = 8;
-
-/// Compresses `volume` into `out`, one pass from front to back.
-///
-/// With a tolerance, every brick is decoded again and compared with its samples, in exact arithmetic, before it is
-/// written. Takes the memory of a few bricks per thread beside the volume. The bytes depend on the volume and on all
-/// options but the number of threads.
+/// Compresses `volume` into `out`, one pass from front to back: [`compress_stream`] of what is in memory.
 ///
 /// # Errors
 /// [`CompressError`]; what is in `out` is of no use then.
@@ -64,81 +80,272 @@ pub fn compress(
     progress: Progress<'_>,
 ) -> Result<Report, CompressError> {
     let expected = sample_bytes(volume.extent, volume.element).unwrap_or(u64::MAX);
-    let sample_bytes = volume.samples.len() as u64;
-    if sample_bytes != expected {
-        return Err(CompressError::SampleBytes { expected, actual: sample_bytes });
-    }
-    let range = || bound::range(volume.element, &volume.samples);
-    let bound = options.tolerance.map(|tolerance| tolerance.within(range()));
-    let (effort, error) = (options.effort, bound.map_or(0.0, |bound| bound.error));
-    let sides = options.brick.unwrap_or_else(|| default_sides(volume, effort, error));
-    let grid = Grid::new(volume.extent, sides).ok_or(CompressError::BrickSides(sides))?;
-    let pool = pool(options.threads.map(NonZeroUsize::get))?;
-    let candidates = options.wavelet.candidates(options.levels, grid.sides)?;
-    let trial = Trial { volume, grid: &grid, effort, error };
-    let coding = pool.install(|| trial.best(&candidates)).map_err(|Unfaithful| CompressError::Unfaithful)?;
-    let head = head(&volume.header());
-    let step = Step {
-        number: 0,
-        name: None,
-        time: None,
-        sides: grid.sides,
-        channels: vec![channel(volume, &grid, &coding, bound)],
-    };
-    let readable = step.channels[0].readable_levels;
-    let mut writer = Writer::new(out, &head, &volume.metadata)?;
-    writer.step(&step)?;
-    let batch = BATCH * pool.current_num_threads();
-    for first in (0..grid.bricks()).step_by(batch) {
-        let indices = first..grid.bricks().min(first + batch as u64);
-        let encoded: Result<Vec<Encoded>, Unfaithful> = pool.install(|| {
-            let encode = |worker: &mut Worker, index| {
-                let brick = grid.brick(index);
-                let bytes = volume.cut(brick.origin, brick.sides);
-                let samples = Samples { element: volume.element, sides: brick.sides, bytes: &bytes };
-                let encoded = worker.encode(samples, &coding);
-                progress(brick.samples());
-                encoded
-            };
-            indices.clone().into_par_iter().map_init(Worker::new, encode).collect()
-        });
-        let encoded = encoded.map_err(|Unfaithful| CompressError::Unfaithful)?;
-        for (brick, encoded) in indices.zip(encoded) {
-            let label = encoded.label(Place { step: 0, brick, component: 0 }, readable);
-            writer.brick(&step, &label, &encoded.bytes, encoded.statistics)?;
-        }
-    }
-    writer.end_step()?;
-    let summaries = writer.summaries().to_vec();
-    let container_bytes = writer.finish()?;
-    Ok(Report { sample_bytes, container_bytes, head, steps: vec![step], summaries })
+    let actual = volume.samples.len() as u64;
+    let mut source = InMemory::new(volume).ok_or(CompressError::SampleBytes { expected, actual })?;
+    compress_stream(&mut source, options, out, progress)
+}
+
+/// Compresses all that `source` has into `out`, one pass from front to back.
+///
+/// Each component of each time step is a volume of its own, with a form, a transform and a bound of its own. Every step
+/// is read twice, once to look through it and once to code it; one that comes compressed or through a pipe is copied in
+/// between, to memory or to a temporary file. With a tolerance, every brick is decoded again and compared with its
+/// samples, in exact arithmetic, before it is written.
+///
+/// The bytes depend on the values and on all options but threads and memory. `progress` counts values.
+///
+/// # Errors
+/// [`CompressError`]; what is in `out` is of no use then.
+///
+/// Memory: [`CompressOptions::memory`], but at least a few bricks for each thread and two more.
+pub fn compress_stream(
+    source: &mut dyn Source,
+    options: &CompressOptions,
+    out: &mut impl Write,
+    progress: Progress<'_>,
+) -> Result<Report, CompressError> {
+    let header = source.header().clone();
+    let head = head(&header, options)?;
+    let writer = Writer::new(out, &head, &header.metadata)?;
+    Compressor::new(head, options)?.run(source, writer, progress)
+}
+
+/// Writes all records of `container` to `out`, and then those of the time steps of `source`.
+///
+/// # Errors
+/// [`CompressError`]; what is in `out` is of no use then.
+///
+/// Cost: that of copying the container, beside that of compressing.
+pub fn append(
+    container: &Container,
+    source: &mut dyn Source,
+    options: &CompressOptions,
+    out: &mut impl Write,
+    progress: Progress<'_>,
+) -> Result<Report, CompressError> {
+    let head = container.head().clone();
+    refuse_others(&head, source.header())?;
+    let (written, index, summaries) = container.for_appending()?;
+    container.copy(0..written, out)?;
+    let records = (&head, container.metadata()?);
+    let writer = Writer::resumed(out, written, index, summaries, records)?;
+    Compressor::new(head, options)?.run(source, writer, progress)
 }
 
 /// What is the same for every time step.
-fn head(header: &Header) -> Head {
-    Head {
-        program: env!("CARGO_PKG_VERSION").to_owned(),
-        extent: header.extent,
-        components: header.components,
-        element: header.element,
-        names: Vec::new(),
+fn head(header: &Header, options: &CompressOptions) -> Result<Head, CompressError> {
+    let (names, components) = (options.names.clone(), header.components);
+    if !names.is_empty() && names.len() as u64 != u64::from(components) {
+        return Err(CompressError::Names { names: names.len(), components });
+    }
+    let (program, element) = (env!("CARGO_PKG_VERSION").to_owned(), header.element);
+    Ok(Head { program, extent: header.extent, components, element, names })
+}
+
+/// Refuses steps of another kind than those that are there.
+pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), CompressError> {
+    let say = |extent: [u64; 3], components, element: ElementType| {
+        let [x, y, z] = extent;
+        format!("{x}x{y}x{z} {element} of {components} components")
+    };
+    let there = say(head.extent, head.components, head.element);
+    let given = say(header.extent, header.components, header.element);
+    if there == given {
+        return Ok(());
+    }
+    Err(CompressError::OtherSteps(format!("they hold {there}, the input {given}")))
+}
+
+/// What is the same for all steps that are compressed.
+struct Compressor<'a> {
+    head: Head,
+    options: &'a CompressOptions,
+    pool: ThreadPool,
+    memory: u64,
+}
+
+impl<'a> Compressor<'a> {
+    fn new(head: Head, options: &'a CompressOptions) -> Result<Self, CompressError> {
+        let pool = pool(options.threads.map(NonZeroUsize::get))?;
+        let memory = options.memory.unwrap_or_else(|| memory::available() / 2);
+        Ok(Self { head, options, pool, memory })
+    }
+
+    fn run<W: Write>(
+        &self,
+        source: &mut dyn Source,
+        mut writer: Writer<W>,
+        progress: Progress<'_>,
+    ) -> Result<Report, CompressError> {
+        let header = source.header().clone();
+        let first = writer.next_step();
+        let mut steps = Vec::new();
+        for (number, label) in (0..header.steps).zip(self.labels()) {
+            let mut supply = Supply::new(source, number, self.memory / 2)?;
+            steps.push(self.step(&mut supply, first + number, label, &mut writer, progress)?);
+        }
+        let summaries = writer.summaries()[first as usize..].to_vec();
+        let container_bytes = writer.finish()?;
+        let sample_bytes = header.bytes().unwrap_or(u64::MAX);
+        Ok(Report { sample_bytes, container_bytes, head: self.head.clone(), steps, summaries })
+    }
+
+    /// What the steps are called.
+    fn labels(&self) -> impl Iterator<Item = Label> {
+        self.options.labels.iter().cloned().chain(std::iter::repeat_with(Label::default))
+    }
+
+    fn layout(&self) -> Layout {
+        let Head { extent, components, element, .. } = self.head;
+        Layout { extent, components, size: element.bytes() }
+    }
+
+    /// Compresses one time step.
+    fn step<W: Write>(
+        &self,
+        supply: &mut Supply<'_>,
+        number: u64,
+        label: Label,
+        writer: &mut Writer<W>,
+        progress: Progress<'_>,
+    ) -> Result<Step, CompressError> {
+        let (element, layout) = (self.head.element, self.layout());
+        let (surveys, crc) = self.survey(supply, progress)?;
+        let bound = |survey: &Survey| self.options.tolerance.map(|bound| bound.within(survey.range()));
+        let bounds: Vec<Option<Bound>> = surveys.iter().map(bound).collect();
+        let errors = bounds.iter().map(|bound| bound.map_or(0.0, |bound| bound.error));
+        let sides =
+            self.options.brick.unwrap_or_else(|| self.default_sides(errors.clone().fold(0.0, f64::max)));
+        let grid = Grid::new(self.head.extent, sides).ok_or(CompressError::BrickSides(sides))?;
+        let mut codings = Vec::new();
+        for ((component, survey), error) in (0..).zip(&surveys).zip(errors) {
+            tell(progress, 0)?;
+            codings.push(self.best(supply, survey, &grid, (component, error))?);
+        }
+        let channels = codings.iter_mut().zip(&surveys).zip(bounds);
+        let channels =
+            channels.map(|((coding, survey), bound)| channel(coding, survey, &grid, bound, element));
+        let Label { name, time } = label;
+        let step = Step { number, name, time, sides: grid.sides, channels: channels.collect() };
+        writer.step(&step)?;
+        let most = self.most(&grid, supply.held());
+        let job = Job { step: &step, codings: &codings, grid, element, layout, most };
+        let coded = job.run(supply, &self.pool, writer, progress)?;
+        if coded.is_some_and(|coded| coded != crc) {
+            return Err(CompressError::Changed);
+        }
+        writer.end_step()?;
+        Ok(step)
+    }
+
+    /// Looks through all values of a step. Returns a survey for each component, and the checksum of all values.
+    fn survey(
+        &self,
+        supply: &mut Supply<'_>,
+        progress: Progress<'_>,
+    ) -> Result<(Vec<Survey>, u32), CompressError> {
+        let layout = self.layout();
+        let samples: u64 = layout.extent.into_iter().product();
+        let mut surveys: Vec<Survey> =
+            (0..layout.components).map(|_| Survey::new(self.head.element, samples)).collect();
+        let mut hasher = crc32fast::Hasher::new();
+        let piece = (PIECE_BYTES / layout.sample()).max(1);
+        let wanted = (0..samples).step_by(piece as usize).map(move |first| {
+            let last = (first + piece).min(samples);
+            (last - first, std::iter::once(first * layout.sample()..last * layout.sample()).collect())
+        });
+        std::thread::scope(|threads| {
+            for found in read_ahead(threads, supply, wanted) {
+                let (samples, values) = found?;
+                tell(progress, 0)?;
+                hasher.update(&values);
+                let whole = Block { values: &values, layout, origin: [0; 3], sides: [samples, 1, 1] };
+                self.pool.install(|| look_through(whole, &mut surveys));
+            }
+            Ok::<(), CompressError>(())
+        })?;
+        Ok((surveys, hasher.finalize()))
+    }
+
+    /// The sides of bricks unless asked otherwise: large ones for [`Effort::Dense`], and where there may be lattices.
+    fn default_sides(&self, error: f64) -> [u32; 3] {
+        let (effort, element) = (self.options.effort, self.head.element);
+        let moves = error >= 1.0 || error > 0.0 && element.is_float();
+        let is_large = effort == Effort::Dense || effort.has_lattices() && moves;
+        let samples = if is_large { Grid::LARGE_BRICK } else { Grid::SMALL_BRICK };
+        Grid::default_sides(self.head.extent, samples)
+    }
+
+    /// What makes a component smallest, judging by some pieces of it.
+    fn best(
+        &self,
+        supply: &mut Supply<'_>,
+        survey: &Survey,
+        grid: &Grid,
+        (component, error): (u32, f64),
+    ) -> Result<Coding, CompressError> {
+        let (layout, element, effort) = (self.layout(), self.head.element, self.options.effort);
+        let mut cut = |boxes: &[Brick]| {
+            let cut_one = |&Brick { origin, sides }: &Brick| {
+                let mut values = Vec::new();
+                let wide = sides.map(u64::from);
+                supply.read(&layout.stretches(origin, wide), &mut values)?;
+                let block = Block { values: &values, layout, origin, sides: wide };
+                Ok(block.cut(origin, sides, component))
+            };
+            boxes.iter().map(cut_one).collect::<Result<Vec<Vec<u8>>, CompressError>>()
+        };
+        let candidates = self.options.wavelet.candidates(self.options.levels, grid.sides)?;
+        let trial = Trial { survey, element, grid, effort, error };
+        self.pool.install(|| trial.best(&candidates, &mut cut))
+    }
+
+    /// Bytes that may be read at once, beside `held` bytes and those that bricks are coded in.
+    fn most(&self, grid: &Grid, held: u64) -> u64 {
+        let brick: u64 = grid.sides.into_iter().map(u64::from).product();
+        let coding =
+            brick.saturating_mul(CODING_BYTES).saturating_mul(self.pool.current_num_threads() as u64);
+        self.memory.saturating_sub(held).saturating_sub(coding) / BUFFERS
     }
 }
 
-/// The sides of bricks unless asked otherwise: large ones for [`Effort::Dense`], and where there may be lattices.
-fn default_sides(volume: &Volume, effort: Effort, error: f64) -> [u32; 3] {
-    let moves = error >= 1.0 || error > 0.0 && volume.element.is_float();
-    let is_large = effort == Effort::Dense || effort.has_lattices() && moves;
-    Grid::default_sides(volume.extent, if is_large { Grid::LARGE_BRICK } else { Grid::SMALL_BRICK })
+/// Bytes that are read at once to be looked through.
+const PIECE_BYTES: u64 = 1 << 22;
+
+/// Samples that one thread looks through at once.
+const LOOK_SAMPLES: u32 = 1 << 17;
+
+/// Bytes of memory that coding takes for a sample of a brick, about: as integers, in scratch, coded, and decoded again.
+const CODING_BYTES: u64 = 40;
+
+/// Adds the samples of a line to the surveys of their components.
+fn look_through(line: Block<'_>, surveys: &mut [Survey]) {
+    let starts: Vec<u64> = (0..line.sides[0]).step_by(LOOK_SAMPLES as usize).collect();
+    surveys.par_iter_mut().enumerate().for_each(|(component, survey)| {
+        let look = |&start: &u64| {
+            let count = (line.sides[0] - start).min(LOOK_SAMPLES.into()) as u32;
+            let mut next = survey.next();
+            next.add(&line.cut([start, 0, 0], [count, 1, 1], component as u32));
+            next
+        };
+        let found: Vec<Survey> = starts.par_iter().map(look).collect();
+        found.iter().for_each(|next| survey.append(next));
+    });
 }
 
-/// What there is to say before the bricks are coded.
-fn channel(volume: &Volume, grid: &Grid, coding: &Coding, bound: Option<Bound>) -> Channel {
+/// What there is to say before the bricks are coded, some of which the coding has to know as well.
+fn channel(
+    coding: &mut Coding,
+    survey: &Survey,
+    grid: &Grid,
+    bound: Option<Bound>,
+    element: ElementType,
+) -> Channel {
     Channel {
         effort: coding.effort,
         wavelet: coding.transform.wavelet,
         levels: coding.transform.levels,
-        readable_levels: readable_levels(volume, grid, coding),
+        readable_levels: readable_levels(coding, survey, grid, element),
         form: coding.form.clone(),
         bound,
     }
@@ -147,11 +354,9 @@ fn channel(volume: &Volume, grid: &Grid, coding: &Coding, bound: Option<Bound>) 
 /// The coarsest level that will mean something: none for integers whose low-pass part is not in the samples' scale, nor
 /// beyond what the bricks' borders and the transform allow. Without a transform, a reader makes levels of what it
 /// decodes.
-fn readable_levels(volume: &Volume, grid: &Grid, coding: &Coding) -> u8 {
-    let in_scale = match (volume.element, &coding.form) {
-        (ElementType::U32, Form::Exact | Form::Packed(_)) => {
-            volume.samples.as_chunks::<4>().0.iter().all(|bytes| bytes[3] < 0x80)
-        }
+fn readable_levels(coding: &Coding, survey: &Survey, grid: &Grid, element: ElementType) -> u8 {
+    let in_scale = match (element, &coding.form) {
+        (ElementType::U32, Form::Exact | Form::Packed(_)) => survey.largest() < 1 << 31,
         (element, form) => form.has_levels(element),
     };
     let transform = coding.transform;

@@ -1,7 +1,7 @@
 //! The container file: where its records are. Its bytes are described in `docs/container.md`.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -217,6 +217,16 @@ impl Container {
         } else {
             Err(ContainerError::Record { what: "copy behind a time step", cause })
         }
+    }
+
+    /// Copies bytes of the file.
+    pub(super) fn copy(&self, mut bytes: std::ops::Range<u64>, out: &mut impl Write) -> io::Result<()> {
+        while !bytes.is_empty() {
+            let piece = (bytes.end - bytes.start).min(1 << 20) as u32;
+            out.write_all(&read(&*self.source, bytes.start, piece)?)?;
+            bytes.start += u64::from(piece);
+        }
+        Ok(())
     }
 
     /// Bytes before the last two records, and what these said.

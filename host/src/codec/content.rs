@@ -32,7 +32,7 @@ impl Head {
     }
 
     /// The header of a file of so many time steps.
-    pub(super) const fn header(&self, steps: u64, metadata: Metadata) -> Header {
+    pub const fn header(&self, steps: u64, metadata: Metadata) -> Header {
         let Self { extent, components, element, .. } = *self;
         Header { extent, components, steps, element, metadata }
     }

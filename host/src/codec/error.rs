@@ -2,8 +2,10 @@
 
 use std::io;
 
+use super::brick::Unencodable;
 use super::{Brick, Place};
-use crate::volume::Fault;
+use crate::progress::Stopped;
+use crate::volume::{Fault, ReadError, WriteError, in_words};
 
 /// Why a volume could not be compressed.
 #[derive(Debug, thiserror::Error)]
@@ -36,9 +38,35 @@ pub enum CompressError {
         /// Bytes there are.
         actual: u64,
     },
+    /// Names of another number than there are components.
+    #[error("{names} names for samples of {components} components")]
+    Names {
+        /// Names given.
+        names: usize,
+        /// Values of a sample.
+        components: u32,
+    },
+    /// A time step of another kind than those that are there.
+    #[error("cannot follow the time steps of the file: {0}")]
+    OtherSteps(String),
+    /// The container that time steps are to follow cannot be read.
+    #[error(transparent)]
+    Container(#[from] ContainerError),
     /// A brick decodes to other samples than it may: a fault of the codec.
     #[error("a brick decodes to samples beyond the error bound: please report this")]
     Unfaithful,
+    /// The values were not the same when they were read again.
+    #[error("the input has changed while it was read: compress it again when nobody writes to it")]
+    Changed,
+    /// The values could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The values could not be kept in a temporary file.
+    #[error("cannot use a temporary file in {}: {}", std::env::temp_dir().display(), in_words(.0))]
+    Spool(io::Error),
+    /// It was stopped.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
     /// Writing failed.
     #[error("cannot write: {0}")]
     Io(#[from] io::Error),
@@ -46,11 +74,22 @@ pub enum CompressError {
 
 impl CompressError {
     /// Whose fault it is.
-    pub const fn kind(&self) -> Fault {
+    pub fn kind(&self) -> Fault {
         match self {
-            Self::Io(_) => Fault::Io,
-            Self::Unfaithful => Fault::Data,
+            Self::Io(_) | Self::Spool(_) | Self::Stopped(_) => Fault::Io,
+            Self::Unfaithful | Self::Changed => Fault::Data,
+            Self::Read(error) => error.kind(),
+            Self::Container(error) => error.kind(),
             _ => Fault::Usage,
+        }
+    }
+}
+
+impl From<Unencodable> for CompressError {
+    fn from(cause: Unencodable) -> Self {
+        match cause {
+            Unencodable::Unfaithful => Self::Unfaithful,
+            Unencodable::Unknown => Self::Changed,
         }
     }
 }
@@ -167,11 +206,17 @@ pub enum ContainerError {
     /// Reading failed.
     #[error("cannot read: {0}")]
     Io(#[from] io::Error),
+    /// The samples could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// It was stopped.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 impl ContainerError {
     /// Whose fault it is.
-    pub const fn kind(&self) -> Fault {
+    pub fn kind(&self) -> Fault {
         match self {
             Self::NoSuchLevel { .. }
             | Self::NoSuchRegion { .. }
@@ -180,7 +225,8 @@ impl ContainerError {
             | Self::NoSuchComponent { .. }
             | Self::NotScalar { .. }
             | Self::BufferLength { .. } => Fault::Usage,
-            Self::Io(_) | Self::OutOfMemory { .. } => Fault::Io,
+            Self::Io(_) | Self::OutOfMemory { .. } | Self::Stopped(_) => Fault::Io,
+            Self::Write(error) => error.kind(),
             _ => Fault::Data,
         }
     }

@@ -98,13 +98,20 @@ impl Form {
         }
     }
 
-    /// Writes little-endian samples as plane number `plane`, as many as `integers` has room for.
-    pub(super) fn split(&self, element: ElementType, plane: usize, bytes: &[u8], integers: &mut [i32]) {
+    /// Writes little-endian samples as plane number `plane`, as many as `integers` has room for. `None` for a sample that
+    /// the form has no integer for.
+    pub(super) fn split(
+        &self,
+        element: ElementType,
+        plane: usize,
+        bytes: &[u8],
+        integers: &mut [i32],
+    ) -> Option<()> {
         match self {
             Self::Exact | Self::Near(_) => planes::split(element, plane, bytes, integers),
             Self::Packed(values) => {
                 planes::split(element, plane, bytes, integers);
-                values.pack(integers);
+                values.pack(integers)?;
             }
             Self::Steps(step) => {
                 let mut bytes = bytes.to_vec();
@@ -113,6 +120,7 @@ impl Form {
             }
             Self::Scaled { scale, .. } => scaled::quantize(element, *scale, bytes, integers),
         }
+        Some(())
     }
 
     /// Brings integers, at full resolution, to where levels can be made of them. `None` for those that stand for

@@ -3,17 +3,22 @@
 //! A volume is cut into bricks ([`Grid`]); each becomes one or two codestreams of the kernel, which this crate
 //! never looks into. The file around them is described in `docs/container.md`.
 
+mod ahead;
 mod brick;
 mod choice;
+mod compare;
 mod compress;
 mod container;
 mod content;
 mod decode;
+mod decompress;
 mod effort;
+mod encode;
 mod error;
 mod form;
 mod grid;
 mod level;
+mod memory;
 mod packing;
 pub(crate) mod planes;
 mod read;
@@ -25,16 +30,21 @@ mod scaled;
 mod scan;
 mod statistics;
 mod steps;
+mod supply;
+mod survey;
 #[cfg(test)]
 mod tests;
 mod trial;
+mod units;
 mod writer;
 
 pub(crate) use choice::Transform;
 pub use choice::{Choice, UnknownChoice};
-pub use compress::{CompressOptions, Report, compress};
+pub use compare::{Comparison, Difference};
+pub use compress::{CompressOptions, Label, Report, append, compress, compress_stream};
 pub use container::Container;
 pub use content::{BrickLabel, Channel, Head, Kept, Place, Step, Summary};
+pub use decompress::DecompressOptions;
 pub use effort::{Effort, UnknownEffort};
 pub use error::{CompressError, ContainerError};
 pub use form::Form;
@@ -47,8 +57,7 @@ pub use repair::{Lost, RepairError, Repaired, repair};
 pub use scan::{Content, Found, Scanner};
 pub use statistics::Statistics;
 
-/// Told the number of samples done since it was last told, from any thread.
-pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+use crate::progress::Progress;
 
 /// Threads that are started at most, however many are asked for.
 const MOST_THREADS: usize = 256;

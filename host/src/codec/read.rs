@@ -8,8 +8,10 @@ use rayon::prelude::*;
 
 use super::brick::{Worker, coarsened};
 use super::content::Place;
+use super::grid::per_axis;
 use super::region::Wanted;
-use super::{Container, ContainerError, Part, Progress, pool};
+use super::{Brick, Container, ContainerError, Part, Progress, Statistics, pool};
+use crate::progress::tell;
 use crate::volume::{Header, Volume};
 
 impl Container {
@@ -34,7 +36,7 @@ impl Container {
     }
 
     /// Reads one volume of single values, or a part of it, on `threads` threads (`None`: one per core); bricks outside
-    /// it are not touched.
+    /// it are not touched. `progress` counts values, up to [`Container::values`].
     ///
     /// The samples of level L stand for the positions that are multiples of 2^L; of a region, those inside it.
     ///
@@ -115,13 +117,14 @@ impl Container {
         places.into_par_iter().try_for_each_init(Worker::new, |worker, place| {
             let bytes = self.decode(worker, place, wanted.level)?;
             let brick = grid.brick(place.brick);
+            let mut count = 0;
             if let Some((range, to)) = wanted.within(&brick) {
+                count = range.iter().map(|axis| axis.len() as u64).product();
                 let mut target = target.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let component = (place.component - wanted.components.start) as usize;
                 target.scatter(&bytes, coarsened(brick.sides, wanted.level), &range, (to, component));
             }
-            progress(brick.samples());
-            Ok(())
+            Ok(tell(progress, count)?)
         })
     }
 
@@ -129,7 +132,7 @@ impl Container {
     /// whole, in any order.
     ///
     /// # Errors
-    /// [`ContainerError::Io`] if threads cannot be started.
+    /// [`ContainerError::Io`] if threads cannot be started, [`ContainerError::Stopped`] if it was.
     pub fn verify(
         &self,
         threads: Option<NonZeroUsize>,
@@ -137,49 +140,87 @@ impl Container {
         damaged: &(dyn Fn(ContainerError) + Sync),
     ) -> Result<(), ContainerError> {
         let pool = pool(threads.map(NonZeroUsize::get))?;
-        let note = |result: Result<(), ContainerError>| result.unwrap_or_else(damaged);
-        note(self.metadata().map(|_| ()));
-        note(self.summaries().map(|_| ()));
-        for step in 0..self.steps() {
-            note(self.check_copies(step));
-            match self.grid(step) {
-                Ok(grid) => pool.install(|| {
-                    let bricks = (0..grid.bricks()).into_par_iter();
-                    bricks.for_each_init(Worker::new, |worker, brick| {
-                        for component in 0..self.head().components {
-                            note(self.check_brick(worker, Place { step, brick, component }));
-                            progress(grid.brick(brick).samples());
-                        }
-                    });
-                }),
-                Err(error) => damaged(error),
+        let note = |result: Result<(), ContainerError>| match result {
+            Err(ContainerError::Stopped(stopped)) => Err(stopped),
+            Err(error) => {
+                damaged(error);
+                Ok(())
             }
+            Ok(()) => Ok(()),
+        };
+        note(self.metadata().map(|_| ()))?;
+        note(self.summaries().map(|_| ()))?;
+        for step in 0..self.steps() {
+            note(self.check_copies(step))?;
+            let grid = match self.grid(step) {
+                Ok(grid) => grid,
+                Err(error) => {
+                    damaged(error);
+                    continue;
+                }
+            };
+            let check = |worker: &mut Worker, brick| {
+                (0..self.head().components).try_for_each(|component| {
+                    note(self.decode_and_check(worker, Place { step, brick, component }).map(|_| ()))?;
+                    tell(progress, grid.brick(brick).samples())
+                })
+            };
+            let bricks = || (0..grid.bricks()).into_par_iter().try_for_each_init(Worker::new, check);
+            pool.install(bricks)?;
         }
         Ok(())
     }
 
     /// Decodes a brick, and compares it with what is said of it.
-    fn check_brick(&self, worker: &mut Worker, place: Place) -> Result<(), ContainerError> {
+    pub(super) fn decode_and_check(
+        &self,
+        worker: &mut Worker,
+        place: Place,
+    ) -> Result<Vec<u8>, ContainerError> {
         let bytes = self.decode(worker, place, 0)?;
-        let Ok(summaries) = self.summaries() else { return Ok(()) };
+        // Where statistics are damaged, that is told once.
+        let Ok(summaries) = self.summaries() else { return Ok(bytes) };
         let said = summaries[place.step as usize][place.component as usize].bricks[place.brick as usize];
-        if said == super::Statistics::of(self.head().element, &bytes) {
-            return Ok(());
+        if said == Statistics::of(self.head().element, &bytes) {
+            return Ok(bytes);
         }
         let brick = self.grid(place.step)?.brick(place.brick);
         Err(ContainerError::Brick { place, brick, cause: "its samples contradict their statistics".into() })
     }
 
-    /// Values of the bricks that a part lies in, which is what reading counts progress up to; 0 for a part that does
-    /// not exist.
-    pub fn samples_read(&self, part: &Part) -> u64 {
-        let Ok(wanted) = self.check(part) else { return 0 };
-        let of_step = |step| {
-            let grid = self.grid(step).ok()?;
-            Some(wanted.bricks_of(&grid).map(|brick| grid.brick(brick).samples()).sum::<u64>())
+    /// The bricks that an isosurface may pass through, judging by their statistics: those where the samples of the brick,
+    /// and of its next neighbours along every axis, as cells reach over to them, are not all on one side of `isovalue`.
+    ///
+    /// # Errors
+    /// [`ContainerError`], for a step or a component that is not there, or damage.
+    pub fn bricks_crossing(
+        &self,
+        step: u64,
+        component: u32,
+        isovalue: f64,
+    ) -> Result<Vec<u64>, ContainerError> {
+        let (grid, components) = (self.grid(step)?, self.head().components);
+        if component >= components {
+            return Err(ContainerError::NoSuchComponent { asked: component, components });
+        }
+        let (element, bricks) =
+            (self.head().element, &self.summaries()?[step as usize][component as usize].bricks);
+        let crosses = |brick: &u64| {
+            let Brick { origin, sides } = grid.brick(*brick);
+            let reach = per_axis(|axis| (origin[axis] + u64::from(sides[axis]) + 1).min(grid.extent[axis]));
+            let found = grid.bricks_in(origin, reach).filter_map(|near| bricks[near as usize]);
+            let ends = found.map(|near| [near.min(element), near.max(element)]);
+            let ends = ends.reduce(|[min, max], [low, high]| [min.min(low), max.max(high)]);
+            ends.is_some_and(|[min, max]| (min..=max).contains(&isovalue))
         };
-        let samples: u64 = wanted.steps.clone().filter_map(of_step).sum();
-        samples * wanted.components.len() as u64
+        Ok((0..grid.bricks()).filter(crosses).collect())
+    }
+
+    /// Values of a part, which is what reading counts progress up to; 0 for a part that does not exist.
+    pub fn values(&self, part: &Part) -> u64 {
+        let Ok(wanted) = self.check(part) else { return 0 };
+        let steps = wanted.steps.end - wanted.steps.start;
+        wanted.extent().into_iter().product::<u64>() * wanted.components.len() as u64 * steps
     }
 }
 

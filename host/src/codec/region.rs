@@ -78,6 +78,12 @@ impl Wanted {
         Self { from: [x0, y0, from], to: [x1, y1, to], ..self.clone() }
     }
 
+    /// The same, of rows `from .. to` of the level only.
+    pub(super) fn rows(&self, from: u64, to: u64) -> Self {
+        let [[x0, _, z0], [x1, _, z1]] = [self.from, self.to];
+        Self { from: [x0, from, z0], to: [x1, to, z1], ..self.clone() }
+    }
+
     /// The bricks that hold what is wanted.
     pub(super) fn bricks_of(&self, grid: &Grid) -> impl Iterator<Item = u64> + use<> {
         let position = |sample: u64| sample << self.level;

@@ -3,8 +3,8 @@
 use wavelift_kernel::SampleType;
 
 use super::Form;
-use crate::bound::{Exceptions, Real, Scale, extend_bytes, samples_of};
-use crate::volume::{ElementType, Volume};
+use crate::bound::{Exceptions, Profile, Real, Scale, extend_bytes, samples_of};
+use crate::volume::ElementType;
 
 /// Calls a function for `f32` or `f64`, by a type that is one of them.
 macro_rules! of_type {
@@ -14,23 +14,15 @@ macro_rules! of_type {
 }
 
 /// The form for a volume of floating-point samples: on a scale for `error`, or, for 0, on the one that nearly all lie on
-/// already. `None` if there is no such scale, or samples are integers.
+/// already. `None` if there is no such scale.
 ///
 /// `most_slack` is how far coding may move an integer: 0, or more for a lattice.
-///
-/// Up to a dozen passes over the volume, most of which end early.
-pub(super) fn form(volume: &Volume, error: f64, most_slack: u32) -> Option<Form> {
-    volume.element.is_float().then_some(())?;
-    of_type!(volume.element, typed_form(&volume.samples, error, most_slack))
-}
-
-fn typed_form<R: Real>(bytes: &[u8], error: f64, most_slack: u32) -> Option<Form> {
-    let samples = samples_of::<R>(bytes);
+pub(super) fn form(profile: &Profile, error: f64, most_slack: u32) -> Option<Form> {
     let scale = match error {
-        0.0 => Scale::natural(samples.clone(), error, 0),
-        _ => Scale::choose(samples.clone(), error, most_slack),
+        0.0 => Scale::natural(profile, error, 0),
+        _ => Scale::choose(profile, error, most_slack),
     }?;
-    let largest = scale.largest_integer(samples);
+    let largest = scale.largest_integer(profile);
     let types = [SampleType::I8, SampleType::I16, SampleType::I32];
     // Symmetric, and wider by one for what rounding may do.
     let integers = types.into_iter().find(|narrow| largest < *narrow.range().end());

@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 use wavelift_kernel::Wavelet;
 
-use super::brick::{Coding, Samples, Unfaithful, Worker};
+use super::brick::{Coding, Samples, Unencodable, Worker};
 use super::choice::{Candidates, Transform};
 use super::grid::per_axis;
-use super::{Brick, Effort, Form, Grid, Values, scaled, steps};
-use crate::volume::Volume;
+use super::survey::Survey;
+use super::{Brick, CompressError, Effort, Form, Grid, scaled, steps};
+use crate::volume::ElementType;
 
 /// The part of a volume that something is tried on.
 #[derive(Clone, Copy, Debug)]
@@ -37,14 +38,23 @@ const FAR: u64 = 16;
 /// Bytes that a packed value takes in the index, about.
 const BYTES_PER_VALUE: u64 = 2;
 
+/// Boxes of a volume, as little-endian samples.
+pub(super) type Cut<'a> = &'a mut (dyn FnMut(&[Brick]) -> Result<Vec<Vec<u8>>, CompressError> + Send);
+
 /// A volume, to be tried.
-#[derive(Clone, Copy, Debug)]
 pub(super) struct Trial<'a> {
-    pub(super) volume: &'a Volume,
+    pub(super) survey: &'a Survey,
+    pub(super) element: ElementType,
     pub(super) grid: &'a Grid,
     pub(super) effort: Effort,
     /// How far a sample may move.
     pub(super) error: f64,
+}
+
+/// A part of the volume.
+struct Piece {
+    sides: [u32; 3],
+    bytes: Vec<u8>,
 }
 
 impl Trial<'_> {
@@ -53,12 +63,15 @@ impl Trial<'_> {
     ///
     /// Codes an eighth of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
     /// volumes more. Where a lattice is best no wavelet is tried, and where psi_1 is far from it no other.
-    pub(super) fn best(&self, candidates: &Candidates) -> Result<Coding, Unfaithful> {
+    pub(super) fn best(&self, candidates: &Candidates, cut: Cut<'_>) -> Result<Coding, CompressError> {
         let mut transforms = candidates.transforms();
         let first = transforms.next().unwrap_or(Transform::NONE);
         let forms: Vec<Coding> = self.forms(first).into_iter().map(|form| self.coding(first, form)).collect();
         let has_lattices = forms.iter().any(|coding| coding.form.slack().is_some());
-        let best = self.smallest(forms, &self.pieces(if has_lattices { OF_LATTICES } else { OF_FORMS }))?;
+        let share = if has_lattices { OF_LATTICES } else { OF_FORMS };
+        // With one form there is nothing to be tried.
+        let pieces = if forms.len() > 1 { self.pieces(share, cut)? } else { Vec::new() };
+        let best = self.smallest(forms, &pieces)?;
         let rivals: Vec<Coding> = transforms.map(|other| self.coding(other, best.form.clone())).collect();
         // Numbers of values mean nothing to a transform, a lattice has none, and tables and dense coding are for none.
         let is_untransformed = best.form.values().is_some() || best.form.slack().is_some();
@@ -66,7 +79,7 @@ impl Trial<'_> {
         if rivals.is_empty() || is_settled && first.wavelet.is_none() {
             return Ok(best);
         }
-        let pieces = self.pieces(OF_WAVELETS);
+        let pieces = self.pieces(OF_WAVELETS, cut)?;
         let mut codings = vec![best];
         codings.extend(rivals);
         let probe = codings.iter().position(|coding| coding.transform.wavelet == Some(Wavelet::Linear));
@@ -77,28 +90,33 @@ impl Trial<'_> {
                 return Ok(codings.swap_remove(0));
             }
         }
-        self.smallest(codings, &pieces)
+        Ok(self.smallest(codings, &pieces)?)
     }
 
     /// The forms that the samples may be written in.
     fn forms(&self, transform: Transform) -> Vec<Form> {
-        let is_integer = !self.volume.element.is_float();
+        let is_integer = !self.element.is_float();
         let stepped = steps::width(self.error).filter(|_| is_integer).map(Form::Steps);
         let mut forms = vec![stepped.unwrap_or(Form::Exact)];
-        forms.extend(scaled::form(self.volume, self.error, 0));
+        forms.extend(self.scaled(0));
         if transform.wavelet.is_none() {
             forms.extend(self.lattice());
-            forms.extend(Values::of(self.volume).map(Form::Packed));
+            forms.extend(self.survey.values().map(Form::Packed));
         }
         forms
     }
 
+    /// The form of floats on a scale, if there is one.
+    fn scaled(&self, most_slack: u32) -> Option<Form> {
+        scaled::form(self.survey.profile()?, self.error, most_slack)
+    }
+
     /// The form of a lattice, if one may move samples.
     fn lattice(&self) -> Option<Form> {
-        let element = self.volume.element;
+        let element = self.element;
         let form = match steps::slack(self.error) {
             _ if self.error == 0.0 || !self.effort.has_lattices() => None,
-            _ if element.is_float() => scaled::form(self.volume, self.error, u32::MAX),
+            _ if element.is_float() => self.scaled(u32::MAX),
             slack => slack.map(Form::Near),
         };
         form.filter(|form| form.slack().is_some() && form.suits(element))
@@ -109,7 +127,7 @@ impl Trial<'_> {
     }
 
     /// The coding that makes `pieces` smallest, the first of several.
-    fn smallest(&self, mut codings: Vec<Coding>, pieces: &[Brick]) -> Result<Coding, Unfaithful> {
+    fn smallest(&self, mut codings: Vec<Coding>, pieces: &[Piece]) -> Result<Coding, Unencodable> {
         if codings.len() > 1 {
             let costs = self.costs(&codings, pieces)?;
             let best = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).map_or(0, |(best, _)| best);
@@ -118,28 +136,32 @@ impl Trial<'_> {
         Ok(codings.swap_remove(0))
     }
 
-    fn costs(&self, codings: &[Coding], pieces: &[Brick]) -> Result<Vec<u64>, Unfaithful> {
+    fn costs(&self, codings: &[Coding], pieces: &[Piece]) -> Result<Vec<u64>, Unencodable> {
         let cost = |worker: &mut Worker, coding: &Coding| self.cost(worker, coding, pieces);
         codings.par_iter().map_init(Worker::new, cost).collect()
     }
 
     /// Bytes of `pieces`, and the share that they have in what the index will say of values.
-    fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Brick]) -> Result<u64, Unfaithful> {
+    fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Piece]) -> Result<u64, Unencodable> {
         let hardest = if self.error > 0.0 { Effort::Dense } else { Effort::Default };
         let tried = Coding { effort: coding.effort.min(hardest), ..coding.clone() };
-        let lengths = pieces.iter().map(|&piece| {
-            let bytes = self.volume.cut(piece.origin, piece.sides);
-            let samples = Samples { element: self.volume.element, sides: piece.sides, bytes: &bytes };
-            worker.encode(samples, &tried)
+        let lengths = pieces.iter().map(|Piece { sides, bytes }| {
+            worker.encode(Samples { element: self.element, sides: *sides, bytes }, &tried)
         });
         let bytes = lengths.map(|piece| Ok(piece?.bytes.len() as u64)).sum::<Result<u64, _>>()?;
-        let tried: u64 = pieces.iter().map(Brick::samples).sum();
+        let tried: u64 = pieces.iter().map(|piece| (piece.bytes.len() / self.element.bytes()) as u64).sum();
         let values = coding.form.values().map_or(0, |values| BYTES_PER_VALUE * values.count() as u64);
         Ok(bytes + (u128::from(values) * u128::from(tried) / u128::from(self.samples())) as u64)
     }
 
     /// Some boxes as of small bricks, spread over the volume: together a `share` of it.
-    fn pieces(&self, share: Share) -> Vec<Brick> {
+    fn pieces(&self, share: Share, cut: Cut<'_>) -> Result<Vec<Piece>, CompressError> {
+        let boxes = self.boxes(share);
+        let cut = cut(&boxes)?;
+        Ok(boxes.into_iter().zip(cut).map(|(piece, bytes)| Piece { sides: piece.sides, bytes }).collect())
+    }
+
+    fn boxes(&self, share: Share) -> Vec<Brick> {
         let samples = (self.samples() / share.one_in).max(share.fewest);
         let mut sides = self.grid.sides;
         let whole: u64 = sides.into_iter().map(u64::from).product();

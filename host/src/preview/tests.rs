@@ -1,5 +1,6 @@
 use super::*;
 use crate::codec::{CompressOptions, Container, compress};
+use crate::progress::ignore;
 use crate::volume::synthetic::{Kind, generate};
 use crate::volume::{ElementType, FileFormat, Header, InMemory, Metadata, Volume};
 
@@ -17,7 +18,7 @@ fn places() -> Volume {
 
 fn stored(volume: &Volume, options: &CompressOptions) -> Container {
     let mut bytes = Vec::new();
-    compress(volume, options, &mut bytes, &|_| ()).unwrap();
+    compress(volume, options, &mut bytes, &ignore).unwrap();
     Container::new(Box::new(bytes)).unwrap()
 }
 
@@ -94,7 +95,7 @@ fn coarse_levels_give_the_size_asked_for() {
         let picture = of_container(&container, view, Select::default(), level, None).unwrap();
         assert_eq!(picture.size, [64 >> level, 40 >> level]);
         let whole =
-            container.read(&crate::codec::Part { level, ..Default::default() }, None, &|_| ()).unwrap();
+            container.read(&crate::codec::Part { level, ..Default::default() }, None, &ignore).unwrap();
         let plane = (picture.size[0] * picture.size[1]) as usize;
         let start = plane * (13 >> level);
         let expected = whole.samples[start..start + plane].iter().map(|&value| f64::from(value));

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use super::{Axis, Picture};
 use crate::codec::{Container, ContainerError, Part, Region};
-use crate::progress::Stopped;
+use crate::progress::{Stopped, ignore};
 use crate::volume::sample::each_f64;
 use crate::volume::{Header, ReadError, Source};
 
@@ -138,7 +138,7 @@ pub fn of_container(
     while z < to[2] {
         let end = z.saturating_add(slab).min(to[2]);
         let ([x0, y0, _], [x1, y1, _]) = (from, to);
-        let values = container.read_values(&part([x0, y0, z], [x1, y1, end]), threads, &|_| ())?;
+        let values = container.read_values(&part([x0, y0, z], [x1, y1, end]), threads, &ignore)?;
         canvas.add(&values, (z - from[2]).div_ceil(step));
         z = end;
     }

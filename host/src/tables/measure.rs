@@ -7,9 +7,12 @@ use wavelift_kernel::metric::{self, Measure};
 use wavelift_kernel::{Codec, Effort, Extent, Plan, SampleType, Training, Wavelet, max_encoded_len};
 
 use super::{Row, Table};
-use crate::codec::{Brick, Grid, Progress, Transform};
+use crate::codec::{Brick, Grid, Transform};
 use crate::integers::{NotIntegers, sample_type, widen};
 use crate::volume::{Fault, RankedExtent, Volume};
+
+/// Told the number of samples done since it was last told, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 
 /// How often a transform is run; the shortest time counts.
 pub const RUNS: usize = 5;

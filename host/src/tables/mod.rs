@@ -17,7 +17,7 @@ use std::time::Duration;
 pub use builtin::{BuiltIn, built_in};
 pub use chart::svg;
 pub use json::json;
-pub use measure::{RUNS, TablesError, measure};
+pub use measure::{Progress, RUNS, TablesError, measure};
 pub use text::text;
 use wavelift_kernel::Wavelet;
 use wavelift_kernel::metric::Measure;

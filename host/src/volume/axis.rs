@@ -71,3 +71,18 @@ pub(super) fn steps(axes: &[Axis]) -> Option<u64> {
         _ => Some(product),
     })
 }
+
+/// Axes of a file that says no more than their counts, fastest first; `None` for more components than 32 bits count.
+///
+/// Up to three are x, y, z. Of four, the first holds components if it has four values or fewer, else the last is time.
+/// Of more, the first holds components and those from the fifth on are time. No value moves for either, so a wrong
+/// guess costs nothing but names.
+pub(super) fn guessed(counts: &[u64]) -> Option<Vec<Axis>> {
+    let with_components = counts.len() > 4 || counts.len() == 4 && counts[0] <= 4;
+    let first = usize::from(with_components);
+    let axis = |(index, &count): (usize, &u64)| match index.checked_sub(first) {
+        None => Some(Axis::Component(u32::try_from(count).ok()?)),
+        Some(index) => Some(Axis::SPACE.get(index).copied().unwrap_or(Axis::Time(count))),
+    };
+    counts.iter().enumerate().map(axis).collect()
+}

@@ -108,6 +108,12 @@ pub enum ReadError {
         /// Bytes according to extent and type.
         bytes: u64,
     },
+    /// The file was written to while it was read.
+    #[error("{}: has changed while it was read: try again when nobody writes to it", path.display())]
+    Changed {
+        /// File in question.
+        path: PathBuf,
+    },
     /// More samples were asked for than there are: a fault of the caller.
     #[error("{}: the samples end before those that are asked for", path.display())]
     BeyondEnd {
@@ -172,6 +178,7 @@ impl ReadError {
             Self::NoLayout { .. } | Self::LayoutMismatch { .. } | Self::NotScalar { .. } => Fault::Usage,
             Self::SampleBytes { .. }
             | Self::Gzip { .. }
+            | Self::Changed { .. }
             | Self::BeyondEnd { .. }
             | Self::Format { .. }
             | Self::Slices { .. }

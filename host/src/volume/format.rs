@@ -5,7 +5,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, nifti, npy, nrrd, pnm, vtk, zarr};
+use super::{
+    Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd, png, pnm, vtk,
+    zarr,
+};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,8 +98,17 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: &[&dyn Format] =
-    &[&nrrd::Nrrd, &npy::Npy, &nifti::Nifti, &pnm::Pnm, &vtk::VtkLegacy, &vtk::VtkXml, &zarr::Zarr];
+const FORMATS: &[&dyn Format] = &[
+    &nrrd::Nrrd,
+    &npy::Npy,
+    &nifti::Nifti,
+    &pnm::Pnm,
+    &vtk::VtkLegacy,
+    &vtk::VtkXml,
+    &zarr::Zarr,
+    &metaimage::MetaImage,
+    &png::Png,
+];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

@@ -12,11 +12,14 @@ mod format;
 mod geometry;
 mod header;
 mod input;
+mod joined;
 mod metadata;
+mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
 mod planes;
+mod png;
 mod pnm;
 mod raw;
 mod rearranged;
@@ -41,9 +44,11 @@ pub use format::FileFormat;
 pub use geometry::{Geometry, Space};
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
+pub use metaimage::MetaImageError;
 pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use png::PngError;
 pub use pnm::PnmError;
 pub use raw::RawLayout;
 pub use sample::Sample;
@@ -75,11 +80,6 @@ impl Volume {
     /// All but the samples.
     pub fn header(&self) -> Header {
         Header::scalar(self.extent, self.element, self.metadata.clone())
-    }
-
-    /// The samples of the box of `sides` samples from `origin` on, which lies within the volume.
-    pub(crate) fn cut(&self, origin: [u64; 3], sides: [u32; 3]) -> Vec<u8> {
-        self.rows(origin, sides).flatten().copied().collect()
     }
 
     /// The rows of the box of `sides` samples from `origin` on, which lies within the volume: each `sides[0]` samples,

@@ -141,12 +141,13 @@ impl Codec {
         if Feature::Tabled.is_built()
             && matches!(effort, Effort::Tabled)
             && plan.levels() == 0
-            && tabled::suits(plan.extent(), coefficients.samples)
+            && let Some(span) = tabled::Span::suitable(plan.extent(), coefficients.samples)
         {
             let mut writer = SegmentWriter::new(sample_type, plan, Storage::Tabled, out);
             let Coefficients { samples, scratch, .. } = coefficients;
-            let coded = writer
-                .push_only(|out| tabled::encode(&mut self.memory, plan.extent(), samples, scratch, out));
+            let brick = (plan.extent(), span);
+            let coded =
+                writer.push_only(|out| tabled::encode(&mut self.memory, brick, samples, scratch, out));
             return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
         }
         let mut writer = SegmentWriter::new(sample_type, plan, Storage::Coded, out);

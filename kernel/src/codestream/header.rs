@@ -4,7 +4,6 @@ use heapless::Vec;
 
 use crate::coder::{LARGEST_SLACK, SHRINKING};
 use crate::extent::to_usize;
-use crate::memory::copy;
 use crate::{DecodeError, Dense, Extent, Feature, Lattice, Malformed, Plan, PlanError, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
@@ -284,13 +283,17 @@ const PRECISION_BYTES: usize = NUMBER_BYTES + 1;
 /// Bytes of the longest header with one segment.
 pub(super) const MAX_STORED_HEADER_BYTES: usize = MAGIC.len() + 4 + NUMBER_BYTES * (3 + 1);
 
-type Bytes = Vec<u8, MAX_HEADER_BYTES>;
+/// Where a header is written: bytes beyond the end are only counted.
+struct Bytes<'a> {
+    out: &'a mut [u8],
+    len: usize,
+}
 
 impl Header {
     /// A header of the given segments.
     pub(super) fn new(sample_type: SampleType, plan: Plan, storage: Storage, segments: Segments) -> Self {
         let mut header = Self { sample_type, plan, storage, segments, header_bytes: 0 };
-        header.header_bytes = header.to_bytes().len().try_into().unwrap_or(u32::MAX);
+        header.header_bytes = header.write(&mut []).try_into().unwrap_or(u32::MAX);
         header
     }
 
@@ -316,17 +319,9 @@ impl Header {
         self.len_to_level(0)
     }
 
-    /// Writes the header to the beginning of `out`, which has room for it.
-    pub(super) fn write(&self, out: &mut [u8]) {
-        let bytes = self.to_bytes();
-        if let Some(out) = out.get_mut(..bytes.len()) {
-            copy(&bytes, out);
-        }
-    }
-
-    /// The header as bytes.
-    fn to_bytes(&self) -> Bytes {
-        let mut bytes = Bytes::new();
+    /// Writes as much of the header as fits to the beginning of `out`, and returns its length.
+    pub(super) fn write(&self, out: &mut [u8]) -> usize {
+        let mut bytes = Bytes { out, len: 0 };
         let plan = &self.plan;
         let storage = match self.storage {
             Storage::Coded => CODED,
@@ -337,31 +332,40 @@ impl Header {
         };
         let is_lattice = matches!(self.storage, Storage::Lattice { .. });
         let wavelet = if plan.levels() == 0 || is_lattice { 0 } else { plan.wavelet().code() };
-        let fixed = [VERSION, storage, wavelet << 4 | self.sample_type.code(), plan.levels()];
-        // Neither call can fail: `Bytes` holds the longest header.
-        let _ = bytes.extend_from_slice(&MAGIC);
-        let _ = bytes.extend_from_slice(&fixed);
-        for number in plan.extent().axes() {
-            push_number(&mut bytes, number);
+        let [first, second] = MAGIC;
+        let kind = wavelet << 4 | self.sample_type.code();
+        for byte in &[first, second, VERSION, storage, kind, plan.levels()] {
+            bytes.push(*byte);
+        }
+        for axis in &plan.extent().axes() {
+            bytes.push_number(*axis);
         }
         if let Storage::Lattice { slack, shrinking } = self.storage {
-            push_number(&mut bytes, slack);
-            let _ = bytes.push(shrinking);
+            bytes.push_number(slack);
+            bytes.push(shrinking);
         }
-        for &number in &self.segments {
-            push_number(&mut bytes, number);
-        }
-        bytes
+        self.segments.iter().for_each(|&number| bytes.push_number(number));
+        bytes.len
     }
 }
 
-fn push_number(bytes: &mut Bytes, mut number: u32) {
-    loop {
-        let [low, ..] = number.to_le_bytes();
-        number >>= 7;
-        let _ = bytes.push(if number == 0 { low } else { low | 0x80 });
-        if number == 0 {
-            return;
+impl Bytes<'_> {
+    #[cfg_attr(feature = "small", inline(never))]
+    fn push(&mut self, byte: u8) {
+        if let Some(slot) = self.out.get_mut(self.len) {
+            *slot = byte;
+        }
+        self.len = self.len.wrapping_add(1);
+    }
+
+    fn push_number(&mut self, mut number: u32) {
+        loop {
+            let [low, ..] = number.to_le_bytes();
+            number >>= 7;
+            self.push(if number == 0 { low } else { low | 0x80 });
+            if number == 0 {
+                return;
+            }
         }
     }
 }

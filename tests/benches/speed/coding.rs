@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use wavelift_host::bound::Deviation;
 use wavelift_host::codec::{CompressError, CompressOptions, Container, ContainerError, Part, compress};
+use wavelift_host::progress::ignore;
 use wavelift_host::volume::Volume;
 
 use crate::ALLOCATOR;
@@ -82,12 +83,12 @@ pub(crate) fn repeat(
 
 fn encode(volume: &Volume, options: &CompressOptions) -> Result<Vec<u8>, CompressError> {
     let mut out = Vec::new();
-    compress(volume, options, &mut out, &|_| {})?;
+    compress(volume, options, &mut out, &ignore)?;
     Ok(out)
 }
 
 fn decode(path: &Path) -> Result<Volume, ContainerError> {
-    Container::open(path)?.read(&Part::default(), std::num::NonZeroUsize::new(1), &|_| {})
+    Container::open(path)?.read(&Part::default(), std::num::NonZeroUsize::new(1), &ignore)
 }
 
 /// Most bytes that `work` had allocated at once.

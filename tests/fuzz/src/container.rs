@@ -2,6 +2,7 @@
 //! behind these.
 
 use wavelift_host::codec::{BrickLabel, Container, Part, Scanner};
+use wavelift_host::progress::ignore;
 
 /// Bytes before the first record and of the footer, as `host/docs/container.md` has them.
 const ENDS: [usize; 2] = [10, 12];
@@ -25,9 +26,9 @@ fn open(bytes: &[u8]) {
     let values = header.bytes().map(|bytes| bytes / header.element.bytes() as u64);
     if values.is_some_and(|values| values <= MOST_VALUES) {
         let threads = std::num::NonZeroUsize::new(1);
-        container.verify(threads, &|_| {}, &|_| {}).expect("threads");
+        container.verify(threads, &ignore, &|_| {}).expect("threads");
         for level in 0..=3 {
-            let _ = container.read_values(&Part { level, ..Part::default() }, threads, &|_| {});
+            let _ = container.read_values(&Part { level, ..Part::default() }, threads, &ignore);
         }
     }
 }

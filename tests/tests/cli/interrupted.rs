@@ -183,3 +183,74 @@ fn progress_is_shown_at_a_terminal_only() {
         assert!(outcome.stdout().contains(part), "{part} expected: {}", outcome.stdout());
     }
 }
+
+/// A program that copies `in.raw`, three pieces long, to a pipe that nobody reads yet, and has read the first piece.
+#[cfg(unix)]
+fn waiting(folder: &Folder) -> Child {
+    folder.write("in.raw", noise(12 << 20, 3));
+    let mut command = folder.command();
+    command.args("convert in.raw /dev/stdout --extent 12582912 --type u8".split(' '));
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0; 100]).unwrap();
+    child
+}
+
+#[test]
+fn an_input_that_changes_while_it_is_read_is_told() {
+    let folder = Folder::new();
+    let open = || std::fs::OpenOptions::new().write(true).open(folder.path("in.raw")).unwrap();
+    let changes: [(&dyn Fn(), &str); 3] = [
+        (
+            &|| open().set_len(6 << 20).unwrap(),
+            "in.raw: 12582912 of u8 is 12582912 bytes, the file has 6291456",
+        ),
+        (&|| open().set_len(13 << 20).unwrap(), "in.raw: has changed while it was read"),
+        (&|| open().write_all(&[7; 100]).unwrap(), "in.raw: has changed while it was read"),
+    ];
+    for (change, told) in changes {
+        let child = waiting(&folder);
+        change();
+        let output = child.wait_with_output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && text.contains(told), "{told} expected: {text}");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_and_a_folder_that_vanishes_are_told() {
+    let folder = Folder::new();
+    let mut child = waiting(&folder);
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "wavelift: /dev/stdout: cannot write: Broken pipe\n");
+
+    std::fs::create_dir(folder.path("sub")).unwrap();
+    let mut command = folder.command();
+    command.args("convert /dev/stdin sub/out.raw --extent 1048577 --type u8".split(' '));
+    let mut child = begun(&mut command);
+    std::fs::remove_dir_all(folder.path("sub")).unwrap();
+    child.stdin.take().unwrap().write_all(&[7]).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(4) && text.contains("sub/out.raw: cannot write: No such file"),
+        "{text}"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn every_command_that_writes_tells_of_a_full_device() {
+    let folder = Folder::new();
+    folder.write("in.raw", noise(1 << 20, 3));
+    folder.run("compress in.raw a.wlift --extent 1048576 --type u8 --effort fast").silent();
+    for line in [
+        "convert in.raw /dev/full --extent 1048576 --type u8",
+        "decompress a.wlift /dev/full",
+        "repair a.wlift /dev/full",
+        "preview a.wlift /dev/full",
+    ] {
+        folder.run(line).fails(4, &["/dev/full: cannot write: No space left"]);
+    }
+}

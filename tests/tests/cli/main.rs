@@ -10,6 +10,7 @@ mod interrupted;
 mod parts;
 #[cfg(unix)]
 mod pipes;
+mod preview;
 mod program;
 mod repair;
 mod reports;

@@ -1,7 +1,7 @@
 //! Error bounds: every type, every kind of odd value, and what a reader gets.
 
 use super::*;
-use crate::bound::{Deviation, Real, Tolerance, extend_bytes, samples_of};
+use crate::bound::{Deviation, Profile, Real, Tolerance, extend_bytes, samples_of};
 
 /// A volume of floating-point samples.
 pub(super) fn reals<R: Real>(extent: [u64; 3], samples: &[R]) -> Volume {
@@ -108,13 +108,13 @@ fn a_brick_full_of_exceptions_is_exact() {
     let coding = brick::Coding {
         effort: Effort::Default,
         transform: Transform::NONE,
-        form: scaled::form(&reals([32, 16, 8], &field()), 1e-3, 0).unwrap(),
+        form: scaled::form(&Profile::of(field().into_iter()), 1e-3, 0).unwrap(),
         error: 1e-3,
     };
     let grid = Grid::new(volume.extent, [8, 8, 4]).unwrap();
     let kept = |index| {
         let Brick { origin, sides } = grid.brick(index);
-        let bytes = volume.cut(origin, sides);
+        let bytes: Vec<u8> = volume.rows(origin, sides).flatten().copied().collect();
         let samples = brick::Samples { element: volume.element, sides, bytes: &bytes };
         brick::Worker::new().encode(samples, &coding).unwrap().exceptions
     };

@@ -47,7 +47,7 @@ impl Whole {
 fn samples_of(container: &Container, grid: &Grid, brick: u64) -> Result<Vec<u8>, ContainerError> {
     let Brick { origin, sides } = grid.brick(brick);
     let to = grid::per_axis(|axis| origin[axis] + u64::from(sides[axis]));
-    container.read_values(&region(0, origin, to), NonZeroUsize::new(1), &|_| ())
+    container.read_values(&region(0, origin, to), NonZeroUsize::new(1), &ignore)
 }
 
 fn opened(bytes: &[u8]) -> Result<Container, ContainerError> {
@@ -73,7 +73,7 @@ fn each<T: Sync>(items: &[T], check: impl Fn(&T) + Sync) {
 /// All that verifying finds.
 fn found(container: &Container) -> Vec<ContainerError> {
     let found = Mutex::new(Vec::new());
-    container.verify(NonZeroUsize::new(1), &|_| (), &|error| found.lock().unwrap().push(error)).unwrap();
+    container.verify(NonZeroUsize::new(1), &ignore, &|error| found.lock().unwrap().push(error)).unwrap();
     found.into_inner().unwrap()
 }
 
@@ -203,7 +203,7 @@ fn readers_do_not_disturb_each_other() {
                     let samples = samples_of(container, &whole.grid, brick).unwrap();
                     assert!(samples == whole.bricks[brick as usize].1, "brick {brick}");
                 }
-                let all = container.read(&Part::default(), NonZeroUsize::new(2), &|_| ()).unwrap();
+                let all = container.read(&Part::default(), NonZeroUsize::new(2), &ignore).unwrap();
                 assert!(all == whole.volume);
             });
         }

@@ -3,6 +3,8 @@
 mod bounds;
 mod damage;
 mod lattices;
+mod meters;
+mod streams;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -10,6 +12,7 @@ use std::sync::Mutex;
 
 use super::*;
 use crate::bound::{Bound, Scale};
+use crate::progress::ignore;
 use crate::volume::synthetic::{Kind, generate};
 use crate::volume::{ElementType, Fault, Volume};
 
@@ -22,7 +25,7 @@ struct Stored {
 
 fn store(volume: &Volume, options: &CompressOptions) -> (Stored, Report) {
     let mut bytes = Vec::new();
-    let report = compress(volume, options, &mut bytes, &|_| ()).unwrap();
+    let report = compress(volume, options, &mut bytes, &ignore).unwrap();
     assert_eq!(report.container_bytes, bytes.len() as u64);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("volume.wlift");
@@ -31,7 +34,7 @@ fn store(volume: &Volume, options: &CompressOptions) -> (Stored, Report) {
 }
 
 fn read(path: &std::path::Path, part: &Part) -> Result<Volume, ContainerError> {
-    Container::open(path)?.read(part, None, &|_| ())
+    Container::open(path)?.read(part, None, &ignore)
 }
 
 /// How the only component of the only time step is coded.
@@ -195,7 +198,7 @@ fn parts_that_do_not_exist_are_the_users_fault() {
 fn impossible_options_are_the_users_fault() {
     let volume = generate(Kind::Waves, [19, 17, 9], ElementType::U16, 3);
     let refuse = |options: CompressOptions| {
-        let error = compress(&volume, &options, &mut Vec::new(), &|_| ()).unwrap_err();
+        let error = compress(&volume, &options, &mut Vec::new(), &ignore).unwrap_err();
         assert_eq!(error.kind(), Fault::Usage);
         error.to_string()
     };
@@ -281,7 +284,7 @@ fn faults(bytes: &[u8]) -> Vec<ContainerError> {
         Err(error) => vec![error],
         Ok(container) => {
             let found = Mutex::new(Vec::new());
-            container.verify(None, &|_| (), &|error| found.lock().unwrap().push(error)).unwrap();
+            container.verify(None, &ignore, &|error| found.lock().unwrap().push(error)).unwrap();
             found.into_inner().unwrap()
         }
     }
@@ -290,7 +293,7 @@ fn faults(bytes: &[u8]) -> Vec<ContainerError> {
 /// Damages every so many bytes: it is always noticed, and samples that are read all the same are right.
 fn damage_is_noticed(stored: &Stored, every: usize) {
     assert!(faults(&stored.bytes).is_empty());
-    let read = |bytes: &[u8]| Container::new(Box::new(bytes.to_vec()))?.read(&Part::default(), None, &|_| ());
+    let read = |bytes: &[u8]| Container::new(Box::new(bytes.to_vec()))?.read(&Part::default(), None, &ignore);
     let whole = read(&stored.bytes).unwrap();
     for at in (0..stored.bytes.len()).step_by(every) {
         let mut bytes = stored.bytes.clone();

@@ -1,7 +1,8 @@
 //! NumPy's array files (`.npy`): ten or twelve bytes, a Python literal, then samples.
 //!
 //! Source: NumPy, module `numpy.lib.format`, versions 1.0, 2.0 and 3.0. NumPy names axes slowest first, so the last
-//! axis of an array in C order is x; in Fortran order the first is. No sample is moved for either.
+//! axis of an array in C order is x; in Fortran order the first is. No sample is moved for either. Of four axes, that
+//! which varies fastest holds components if it has at most four values, else the slowest is time; of five there are both.
 
 mod literal;
 
@@ -10,13 +11,14 @@ use std::path::Path;
 
 use literal::Entries;
 
+use super::axis::guessed;
 use super::error::excerpt;
 use super::format::{Format, has_extension};
 use super::input::Input;
 use super::stored::{Encoding, Place, Stored, StoredSink};
 use super::{
-    ByteOrder, Created, ElementType, ExtentError, FileFormat, Header, Metadata, Origin, RankedExtent,
-    ReadError, Source, WriteError, WriteOptions, losses,
+    ByteOrder, Created, ElementType, ExtentError, FileFormat, Header, Metadata, Origin, ReadError, Source,
+    WriteError, WriteOptions, losses,
 };
 use crate::atomic::AtomicFile;
 
@@ -25,6 +27,9 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Longest literal that is read; those of volumes have about a hundred bytes.
 const HEADER_BYTES: u32 = 1 << 16;
+
+/// Most axes of an array that is read.
+const MAX_AXES: usize = 32;
 
 /// Header and samples start at a multiple of this.
 const ALIGNMENT: usize = 64;
@@ -79,6 +84,12 @@ pub enum NpyError {
         /// The type as the file writes it.
         descr: String,
     },
+    /// An array of no axes, or of more than NumPy once had.
+    #[error("the array has {found} axes, not 1 to 32: give it another shape, such as with .reshape")]
+    Axes {
+        /// How many it has.
+        found: usize,
+    },
     /// Shapes that make no extent.
     #[error("the array's shape: {0}")]
     Extent(ExtentError),
@@ -105,19 +116,22 @@ impl Format for Npy {
     }
 
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
-        if !header.is_scalar() {
-            let what = "several components or time steps: write .nrrd".to_owned();
-            return Err(WriteError::CannotHold { path: path.to_owned(), format: self.format(), what });
-        }
         let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
+        let mut axes = header.axes();
+        axes.sort_by_key(|axis| axis.place());
+        let counts: Vec<u64> = axes.iter().map(|axis| header.count(*axis)).collect();
         let create = || {
             let mut file = AtomicFile::create(path)?;
-            file.write_all(&header_bytes(header, order))?;
+            file.write_all(&header_bytes(header, &counts, order))?;
             Ok(file)
         };
         let file = create().map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
         let sink = StoredSink::new(file, path, header, Encoding::Raw, order);
-        Ok(Created { sink: Box::new(sink), losses: losses(&header.metadata) })
+        let mut losses = losses(&header.metadata);
+        if guessed(&counts) != Some(axes) {
+            losses.push("which axes hold components and time".to_owned());
+        }
+        Ok(Created { sink: Box::new(sink), losses })
     }
 }
 
@@ -130,11 +144,15 @@ fn open(mut input: Input) -> Result<Stored, ReadError> {
     if !entries.fortran_order {
         axes.reverse();
     }
-    let extent = RankedExtent::new(&axes).map_err(|cause| fault(NpyError::Extent(cause)))?;
+    if !(1..=MAX_AXES).contains(&axes.len()) {
+        return Err(fault(NpyError::Axes { found: axes.len() }));
+    }
     let origin = Origin { format: FileFormat::Npy, byte_order, fortran_order: entries.fortran_order };
-    let metadata = Metadata { source: origin, ..Metadata::plain(extent.rank(), FileFormat::Npy) };
+    let guessed = guessed(&axes).ok_or_else(|| fault(NpyError::Extent(ExtentError::TooLarge)))?;
+    let metadata = Metadata { axes: guessed, source: origin, lines: Vec::new() };
+    let header = Header::of_axes(&axes, element, metadata).map_err(|cause| fault(NpyError::Extent(cause)))?;
     let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: false };
-    Stored::new(input, Header::scalar(extent.axes(), element, metadata), place)
+    Stored::new(input, header, place)
 }
 
 /// Reads the bytes before the samples and returns the literal; bytes that are not UTF-8 stand as U+FFFD in it.
@@ -217,17 +235,17 @@ fn meaning_of(kind: &str) -> &'static str {
     }
 }
 
-/// Header of version 1.0 for a volume whose samples follow in `order`.
+/// Header of version 1.0 for values that follow in `order`, with axes of `counts`, fastest first.
 ///
 /// Its length, with all bytes before it, is a multiple of 64. The shape names the axes as the source did.
-fn header_bytes(header: &Header, order: ByteOrder) -> Vec<u8> {
+fn header_bytes(header: &Header, counts: &[u64], order: ByteOrder) -> Vec<u8> {
     let sign = match order {
         _ if header.element.bytes() == 1 => '|',
         ByteOrder::Little => '<',
         ByteOrder::Big => '>',
     };
     let fortran_order = header.metadata.source.fortran_order;
-    let mut axes: Vec<String> = header.extent[..header.rank()].iter().map(u64::to_string).collect();
+    let mut axes: Vec<String> = counts.iter().map(u64::to_string).collect();
     if !fortran_order {
         axes.reverse();
     }

@@ -46,18 +46,16 @@ fn all_versions_and_both_orders_of_axes_are_read() {
 #[test]
 fn headers_are_those_of_numpy() {
     let mut volume = generate(Kind::Noise, [5, 1, 1], ElementType::U8, 0);
-    let bytes = header_bytes(&volume.header(), ByteOrder::Little);
+    let bytes = header_bytes(&volume.header(), &[5], ByteOrder::Little);
     let literal = "{'descr': '|u1', 'fortran_order': False, 'shape': (5,), }";
     assert_eq!(bytes.len(), 128);
     assert_eq!(bytes[..10], *b"\x93NUMPY\x01\x00\x76\x00");
     assert_eq!(str::from_utf8(&bytes[10..]).unwrap(), format!("{literal:117}\n"));
-    volume.extent = [5, 1, 7];
     volume.element = ElementType::F64;
     volume.metadata.source.fortran_order = true;
-    let bytes = header_bytes(&volume.header(), ByteOrder::Big);
+    let bytes = header_bytes(&volume.header(), &[5, 1, 7], ByteOrder::Big);
     assert!(bytes[10..].starts_with(b"{'descr': '>f8', 'fortran_order': True, 'shape': (5, 1, 7), } "));
-    volume.extent = [u64::MAX; 3];
-    assert_eq!(header_bytes(&volume.header(), ByteOrder::Big).len() % 64, 0);
+    assert_eq!(header_bytes(&volume.header(), &[u64::MAX; 32], ByteOrder::Big).len() % 64, 0);
 }
 
 #[test]
@@ -76,6 +74,49 @@ fn what_is_written_is_read_again() {
             }
         }
     }
+}
+
+#[test]
+fn arrays_of_more_axes_have_components_and_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    for (shape, fortran, extent, components, steps) in [
+        ("(5, 4, 3, 6)", "False", [6, 3, 4], 1, 5),
+        ("(5, 4, 3, 2)", "False", [3, 4, 5], 2, 1),
+        ("(5, 4, 3, 2)", "True", [5, 4, 3], 1, 2),
+        ("(2, 5, 4, 3, 7)", "False", [3, 4, 5], 7, 2),
+        ("(2, 2, 5, 4, 3, 7)", "False", [3, 4, 5], 7, 4),
+    ] {
+        let literal = format!("{{'descr': '|u1', 'fortran_order': {fortran}, 'shape': {shape}, }}");
+        let count = components * extent.iter().product::<u64>() * steps;
+        let samples: Vec<u8> = (0..count).map(|value| value as u8).collect();
+        let before = MAGIC.len() + 4;
+        let literal = format!(
+            "{literal:width$}\n",
+            width = (before + literal.len() + 1).next_multiple_of(64) - before - 1
+        );
+        let bytes = file(1, &literal, &samples);
+        let mut source = Npy.open_input(Input::from_bytes(&bytes)).unwrap();
+        let header = source.header().clone();
+        assert_eq!(
+            (header.extent, u64::from(header.components), header.steps),
+            (extent, components, steps),
+            "{shape}"
+        );
+        let mut found = vec![0; samples.len()];
+        source.read(&mut found).unwrap();
+        assert_eq!(found, samples);
+        let Created { mut sink, losses } =
+            crate::volume::create(&path, &header, &WriteOptions::default()).unwrap();
+        sink.write(&found).unwrap();
+        sink.finish().unwrap();
+        assert!(losses.is_empty());
+        assert!(std::fs::read(&path).unwrap() == bytes, "{shape}");
+    }
+    let mut header = Header::scalar([4, 4, 1], ElementType::U8, Metadata::plain(2, FileFormat::Raw));
+    header.components = 3;
+    let losses = crate::volume::create(&path, &header, &WriteOptions::default()).unwrap().losses;
+    assert_eq!(losses, ["which axes hold components and time"]);
 }
 
 #[test]
@@ -105,8 +146,8 @@ fn other_arrays_are_refused_by_name() {
     let shape = |shape: &str| {
         fault(&file(1, &format!("{{'descr': '|u1', 'fortran_order': False, 'shape': {shape}}}"), &[]))
     };
-    assert_eq!(shape("()"), NpyError::Extent(ExtentError::Rank { found: 0 }));
-    assert_eq!(shape("(1, 2, 3, 4)"), NpyError::Extent(ExtentError::Rank { found: 4 }));
+    assert_eq!(shape("()"), NpyError::Axes { found: 0 });
+    assert_eq!(shape(&format!("({})", "1, ".repeat(33))), NpyError::Axes { found: 33 });
     assert_eq!(shape("(4, 0)"), NpyError::Extent(ExtentError::ZeroAxis { axis: 'x' }));
     assert_eq!(shape("(4294967296, 4294967296)"), NpyError::Extent(ExtentError::TooLarge));
     assert_eq!(fault(b"\x93NUMPX\x01\x00"), NpyError::Magic);

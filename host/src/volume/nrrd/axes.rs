@@ -1,6 +1,7 @@
 //! What the axes of an NRRD file are: its `kinds` and `space directions` say it, or their number and order do.
 
 use crate::volume::Axis;
+use crate::volume::axis::guessed;
 use crate::volume::entries::entries;
 
 /// What a header says of one axis.
@@ -23,9 +24,7 @@ enum Said {
 /// them; the axes of all other kinds (vectors, colours, tensors) hold components wherever they stand. Of more than
 /// three axes of space, those from the fourth on are time.
 ///
-/// Where nothing is said of any axis: up to three are x, y, z. Of four, the first holds components if it has four
-/// values or fewer, else the last is time. Of more, the first holds components and those from the fifth on are time.
-/// No value moves for either, so a wrong guess costs nothing but names.
+/// Where nothing is said of any axis, they are [`guessed`].
 pub(super) fn axes_of(sizes: &[u64], kinds: Option<&str>, directions: Option<&str>) -> Option<Vec<Axis>> {
     let said = said_of(sizes.len(), kinds, directions);
     let first_of_space = said.iter().position(|said| *said == Said::Space);
@@ -80,16 +79,6 @@ fn said_by(kind: &str, direction: &str) -> Said {
         "" | "none" | "???" => Said::List,
         _ => Said::Component,
     }
-}
-
-fn guessed(sizes: &[u64]) -> Option<Vec<Axis>> {
-    let with_components = sizes.len() > 4 || sizes.len() == 4 && sizes[0] <= 4;
-    let first = usize::from(with_components);
-    let axis = |(index, &size): (usize, &u64)| match index.checked_sub(first) {
-        None => Some(Axis::Component(u32::try_from(size).ok()?)),
-        Some(index) => Some(Axis::SPACE.get(index).copied().unwrap_or(Axis::Time(size))),
-    };
-    sizes.iter().enumerate().map(axis).collect()
 }
 
 /// The value of `kinds` that makes a reader find these axes.

@@ -73,11 +73,25 @@ pub enum NrrdError {
         /// The value of `encoding`.
         found: String,
     },
-    /// Samples in several files.
-    #[error("the samples lie in several files ({found}): join them first, such as with `unu save -f nrrd`")]
-    SeveralFiles {
-        /// The value of `data file`.
+    /// Files by numbers that are none, or too many.
+    #[error(
+        "field `data file` of the header: {found} with numbers from {first} to {last} by {step} names no files"
+    )]
+    Pattern {
+        /// The pattern.
         found: String,
+        /// First number.
+        first: i64,
+        /// Last number.
+        last: i64,
+        /// From one number to the next.
+        step: i64,
+    },
+    /// Files that do not hold the samples in equal parts.
+    #[error("{count} data files cannot hold the samples in equal parts")]
+    Files {
+        /// How many there are.
+        count: usize,
     },
     /// Skipping backwards where it means nothing.
     #[error("`byte skip: -1` needs encoding raw and a regular file, whose end is known")]

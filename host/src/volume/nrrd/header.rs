@@ -63,6 +63,17 @@ pub(super) enum ByteSkip {
     ToEnd,
 }
 
+/// Where samples are if not behind the header.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum DataFile {
+    /// In this file.
+    Name(String),
+    /// In the files whose names follow the header, one a line.
+    List,
+    /// In files of these numbers.
+    Pattern { pattern: String, first: i64, last: i64, step: i64 },
+}
+
 /// A header, understood.
 #[derive(Debug, PartialEq)]
 pub(super) struct Header {
@@ -70,7 +81,7 @@ pub(super) struct Header {
     pub(super) element: ElementType,
     pub(super) byte_order: ByteOrder,
     pub(super) encoding: Encoding,
-    pub(super) data_file: Option<String>,
+    pub(super) data_file: Option<DataFile>,
     pub(super) line_skip: u64,
     pub(super) byte_skip: ByteSkip,
     pub(super) lines: Vec<HeaderLine>,
@@ -124,7 +135,7 @@ impl Header {
     }
 }
 
-/// Reads lines up to the blank one; whether there was one. Text that is not UTF-8 is taken as Latin-1.
+/// Reads lines up to the blank one, or to that behind which a list of files begins; whether there was a blank one. Text that is not UTF-8 is taken as Latin-1.
 fn read_text(input: &mut Input) -> Result<(Vec<String>, bool), ReadError> {
     let mut text = Vec::new();
     let mut left = HEADER_BYTES;
@@ -142,10 +153,17 @@ fn read_text(input: &mut Input) -> Result<(Vec<String>, bool), ReadError> {
         if line.is_empty() {
             return Ok((text, count > 0));
         }
-        text.push(match str::from_utf8(line) {
+        let line = match str::from_utf8(line) {
             Ok(line) => line.to_owned(),
             Err(_) => line.iter().copied().map(char::from).collect(),
+        };
+        let begins_list = line.split_once(": ").is_some_and(|(name, value)| {
+            is_same_name(name, "data file") && value.split_whitespace().next() == Some("LIST")
         });
+        text.push(line);
+        if begins_list {
+            return Ok((text, false));
+        }
     }
 }
 
@@ -216,15 +234,18 @@ impl Fields {
         }
     }
 
-    fn data_file(&mut self) -> Result<Option<String>, NrrdError> {
+    fn data_file(&mut self) -> Result<Option<DataFile>, NrrdError> {
         let Some(value) = self.take("data file")? else { return Ok(None) };
-        let mut words = value.split_whitespace();
-        let first = words.next().ok_or_else(|| bad("data file", &value, "the name of a file"))?;
-        let numbers = words.clone().count() >= 3 && words.all(|word| word.parse::<i64>().is_ok());
-        if first == "LIST" || (first.contains('%') && numbers) {
-            return Err(NrrdError::SeveralFiles { found: excerpt(&value) });
-        }
-        Ok(Some(value))
+        let words: Vec<&str> = value.split_whitespace().collect();
+        let numbers: Option<Vec<i64>> = words.iter().skip(1).map(|word| word.parse().ok()).collect();
+        Ok(Some(match (words.as_slice(), numbers.as_deref()) {
+            ([], _) => return Err(bad("data file", &value, "the name of a file")),
+            (["LIST"] | ["LIST", _], Some(_)) => DataFile::List,
+            ([pattern, ..], Some([first, last, step, ..])) if pattern.contains('%') => {
+                DataFile::Pattern { pattern: (*pattern).to_owned(), first: *first, last: *last, step: *step }
+            }
+            _ => DataFile::Name(value),
+        }))
     }
 }
 

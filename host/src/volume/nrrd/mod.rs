@@ -9,16 +9,18 @@ mod header;
 
 use std::fs;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use axes::{axes_of, kinds_of};
 pub use error::NrrdError;
-use header::{ByteSkip, is_structure, line_text, type_name};
+use header::{ByteSkip, DataFile, is_structure, line_text, type_name};
 
+use super::error::excerpt;
 use super::format::{Format, has_extension};
 use super::input::Input;
+use super::joined::{Joined, PartLayout, beside, listed, numbered};
 use super::rearranged::{ordered, ordered_sink};
-use super::stored::{Encoding, Place, Stored, StoredSink};
+use super::stored::{Encoding, Stored, StoredSink};
 use super::{
     Axis, ByteOrder, Created, ExtentError, FileFormat, Header, HeaderLine, Metadata, Origin, ReadError,
     Source, WriteError, WriteOptions, name_of,
@@ -59,26 +61,46 @@ impl Format for Nrrd {
 
 fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
     let parsed = header::Header::read(&mut input)?;
-    let (encoding, byte_order) = (parsed.encoding, parsed.byte_order);
-    let mut data = match &parsed.data_file {
-        Some(name) => Input::open(&beside(input.path(), name))?,
-        None => input,
+    let path = input.path().to_owned();
+    let fault = |cause| ReadError::Nrrd { path: path.clone(), cause };
+    let layout = PartLayout {
+        encoding: parsed.encoding,
+        byte_order: parsed.byte_order,
+        line_skip: parsed.line_skip,
+        byte_skip: match parsed.byte_skip {
+            ByteSkip::Bytes(count) => Some(count),
+            ByteSkip::ToEnd => None,
+        },
     };
-    let fault = |cause| ReadError::Nrrd { path: data.path().to_owned(), cause };
-    if parsed.byte_skip == ByteSkip::ToEnd && (encoding != Encoding::Raw || data.left().is_none()) {
+    let data_file = parsed.data_file.clone();
+    let header = meaning(parsed).map_err(|cause| fault(NrrdError::Extent(cause)))?;
+    let axes = header.metadata.axes.clone();
+    let files = match data_file {
+        None => return ordered(alone(input, header, layout)?, &path, &axes),
+        Some(DataFile::Name(name)) => {
+            return ordered(alone(Input::open(&beside(&path, &name))?, header, layout)?, &path, &axes);
+        }
+        Some(DataFile::List) => listed(&mut input)?,
+        Some(DataFile::Pattern { pattern, first, last, step }) => {
+            let files = numbered(&path, &pattern, first, last, step);
+            files.ok_or_else(|| fault(NrrdError::Pattern { found: excerpt(&pattern), first, last, step }))?
+        }
+    };
+    let count = files.len();
+    let is_to_end_of_packed = layout.byte_skip.is_none() && layout.encoding != Encoding::Raw;
+    if is_to_end_of_packed {
         return Err(fault(NrrdError::SkipToEnd));
     }
-    let (line_skip, byte_skip) = (parsed.line_skip, parsed.byte_skip);
-    let header = meaning(parsed).map_err(|cause| fault(NrrdError::Extent(cause)))?;
-    data.skip_lines(line_skip)?;
-    let skip = match byte_skip {
-        ByteSkip::Bytes(count) => count,
-        ByteSkip::ToEnd => data.left().unwrap_or(0).saturating_sub(header.bytes().unwrap_or(u64::MAX)),
-    };
-    let place = Place { encoding, byte_order, skip, is_open_ended: false };
-    let axes = header.metadata.axes.clone();
-    let path = data.path().to_owned();
-    ordered(Stored::new(data, header, place)?, &path, &axes)
+    let joined = Joined::new(header, files, layout).ok_or_else(|| fault(NrrdError::Files { count }))?;
+    ordered(joined, &path, &axes)
+}
+
+/// Samples in one file.
+fn alone(input: Input, header: Header, layout: PartLayout) -> Result<Stored, ReadError> {
+    if layout.byte_skip.is_none() && (layout.encoding != Encoding::Raw || input.left().is_none()) {
+        return Err(ReadError::Nrrd { path: input.path().to_owned(), cause: NrrdError::SkipToEnd });
+    }
+    layout.open(input, header)
 }
 
 /// The data set that a header speaks of.
@@ -162,10 +184,6 @@ fn lines_with_kinds(header: &Header, axes: &[Axis], sizes: &[u64]) -> Vec<Header
     metadata.lines
 }
 
-fn beside(header: &Path, name: &str) -> PathBuf {
-    header.parent().unwrap_or(Path::new("")).join(name)
-}
-
 /// Line that names a data file in the folder of its header.
 fn data_file_line(data: &Path) -> io::Result<String> {
     let name = data.file_name().and_then(|name| name.to_str()).ok_or(io::ErrorKind::InvalidFilename)?;
@@ -176,7 +194,10 @@ fn data_file_line(data: &Path) -> io::Result<String> {
 /// Whether a header is there already and names these data: then the two are replaced together.
 fn belongs_to(data: &Path, header: &Path) -> bool {
     let named = Input::open(header).and_then(|mut input| header::Header::read(&mut input));
-    let named = named.ok().and_then(|found| fs::canonicalize(beside(header, &found.data_file?)).ok());
+    let named = named.ok().and_then(|found| match found.data_file? {
+        DataFile::Name(name) => fs::canonicalize(beside(header, &name)).ok(),
+        DataFile::List | DataFile::Pattern { .. } => None,
+    });
     named.is_some() && named == fs::canonicalize(data).ok()
 }
 

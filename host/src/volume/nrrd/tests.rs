@@ -218,6 +218,26 @@ fn detached_samples_are_found_beside_their_header() {
 }
 
 #[test]
+fn samples_in_several_files_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.nhdr");
+    for (index, bytes) in [b"#ab", b"#cd", b"#ef"].iter().enumerate() {
+        fs::write(folder.path().join(format!("s{:02}.raw", 2 * index)), bytes).unwrap();
+    }
+    for (lines, expected) in [
+        ("data file: s%02d.raw 0 4 2", b"abcdef"),
+        ("data file: s%02d.raw 4 0 -2 2", b"efcdab"),
+        ("data file: LIST\ns00.raw\ns04.raw\n./s02.raw\n", b"abefcd"),
+    ] {
+        let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 1 3\nencoding: raw\nbyte skip: 1\n";
+        fs::write(&path, format!("{header}{lines}")).unwrap();
+        assert_eq!(read_volume(&path, None).unwrap().samples, expected);
+    }
+    fs::remove_file(folder.path().join("s02.raw")).unwrap();
+    assert_eq!(read_volume(&path, None).unwrap_err().kind(), Fault::Io);
+}
+
+#[test]
 fn a_detached_pair_replaces_its_own_files_only() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.nhdr");
@@ -266,10 +286,13 @@ fn what_is_no_volume_is_refused_by_name() {
     }
     assert_eq!(lines("type: float\nencoding: raw"), NrrdError::Missing { field: "endian" });
     assert_eq!(lines("type: float\nencoding: raw\nendian: pdp"), value("endian", "pdp", "`little` or `big`"));
-    for files in ["LIST", "LIST 2", "slice%03d.raw 0 10 1", "slice%03d.raw 10 0 -1 2"] {
-        let found = format!("{files:?}");
-        assert_eq!(lines(&format!("{base}data file: {files}")), NrrdError::SeveralFiles { found });
-    }
+    let files = |files: &str| lines(&format!("{base}data file: {files}"));
+    assert_eq!(files("LIST"), NrrdError::Files { count: 0 });
+    let pattern =
+        |first, last, step| NrrdError::Pattern { found: "\"s%03d.raw\"".to_owned(), first, last, step };
+    assert_eq!(files("s%03d.raw 0 10 0"), pattern(0, 10, 0));
+    assert_eq!(files("s%03d.raw 10 0 1 2"), pattern(10, 0, 1));
+    assert_eq!(files("s%03d.raw 0 1 1"), NrrdError::Files { count: 2 });
     assert_eq!(lines(&format!("{base}line skip: -1")), value("line skip", "-1", "a number from 0 up"));
     assert_eq!(lines(&format!("{base}byte skip: -2")), value("byte skip", "-2", "-1 or a number from 0 up"));
     assert_eq!(fault(&format!("NRRD0001\ndimension: 1\nsizes: 1\n{base}")), NrrdError::NoSamples);

@@ -230,12 +230,7 @@ fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Create
         HeaderLine::KeyValue { key, .. } => key != MAXVAL && key != SCALE,
         HeaderLine::Field { .. } => true,
     });
-    let begin = || {
-        let mut file = AtomicFile::create(path)?;
-        file.write_all(&layout.bytes())?;
-        Ok(file)
-    };
-    let file = begin().map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
+    let file = AtomicFile::create(path).map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
     let writer = Box::new(Writer { file, path: path.to_owned(), layout });
     Ok(Created { sink: Box::new(PlaneSink::new(path, header, writer)), losses: losses(&left) })
 }
@@ -294,22 +289,25 @@ struct Writer {
 impl PlaneWriter for Writer {
     fn write(&mut self, plane: &[u8]) -> Result<(), WriteError> {
         let Layout { kind, element, byte_order, maxval, extent, .. } = &self.layout;
-        if let Some(maxval) = maxval.filter(|maxval| *maxval != largest(*element) && !kind.is_float()) {
-            let is_beyond =
-                |value: &[u8]| value.iter().rev().fold(0, |all, byte| all << 8 | u32::from(*byte)) > maxval;
-            if plane.chunks(element.bytes()).any(is_beyond) {
-                let what =
-                    format!("samples beyond the largest value {maxval} of the source: remove {MAXVAL}");
-                let path = self.path.clone();
-                return Err(WriteError::CannotHold { path, format: FileFormat::Pgm, what });
-            }
+        // Samples may have grown since, in a decoder that is allowed an error.
+        let is_beyond = |value: &[u8]| {
+            let value = value.iter().rev().fold(0, |all, byte| all << 8 | u32::from(*byte));
+            maxval.is_some_and(|maxval| value > maxval)
+        };
+        let mut head = self.layout.clone();
+        if !kind.is_float()
+            && *maxval != Some(largest(*element))
+            && plane.chunks(element.bytes()).any(is_beyond)
+        {
+            head.maxval = Some(largest(*element));
         }
         let mut plane = Cow::Borrowed(plane);
         if kind.is_float() {
             turn_over(plane.to_mut(), extent[1] as usize);
         }
-        write_samples(&mut self.file, &plane, *element, *byte_order)
-            .map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
+        let written = self.file.write_all(&head.bytes());
+        let written = written.and_then(|()| write_samples(&mut self.file, &plane, *element, *byte_order));
+        written.map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
     }
 
     fn finish(self: Box<Self>) -> Result<(), WriteError> {

@@ -120,29 +120,73 @@ impl Chunk {
     }
 
     /// The products of the first `taps` differences with one another and with the target, summed up; forgets them.
-    pub(in crate::coder) fn products(&mut self, taps: usize) -> Sums {
-        for row in self.differences.iter_mut().chain([&mut self.targets]) {
-            row.get_mut(self.len..).unwrap_or(&mut []).fill(0);
-        }
+    pub(super) fn products(&mut self, taps: usize) -> Sums {
         let mut sums = Sums::ZERO;
-        let mut entries = sums.matrix.iter_mut();
-        let rows = self.differences.iter().zip(&mut sums.right).take(taps);
-        for (last, (row, right)) in rows.enumerate() {
-            let columns = self.differences.iter().take(last.wrapping_add(1));
-            for (column, entry) in columns.zip(&mut entries) {
-                *entry = dot(row, column);
-            }
-            *right = dot(row, &self.targets);
-        }
-        self.clear();
+        self.add_products(taps, &mut sums);
         sums
+    }
+
+    /// Adds the same to `sums`.
+    pub(in crate::coder) fn add_products(&mut self, taps: usize, sums: &mut Sums) {
+        let padded = if cfg!(feature = "small") { self.len.next_multiple_of(RUN) } else { CHUNK };
+        for row in self.differences.iter_mut().take(taps).chain([&mut self.targets]) {
+            row.get_mut(self.len..padded).unwrap_or(&mut []).fill(0);
+        }
+        let mut entries = sums.matrix.iter_mut();
+        for (last, row) in self.differences.iter().enumerate().take(taps) {
+            self.add_dots(row, (&mut entries).take(last.wrapping_add(1)));
+        }
+        self.add_dots(&self.targets, sums.right.iter_mut().take(taps));
+        self.clear();
+    }
+
+    /// Adds the products of a row with as many of the differences as there are sums.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn add_dots<'a>(&self, row: &[i16; CHUNK], mut sums: impl Iterator<Item = &'a mut i32>) {
+        if !cfg!(feature = "small") {
+            sums.zip(&self.differences).for_each(|(sum, column)| *sum = sum.wrapping_add(dot(row, column)));
+            return;
+        }
+        let runs = self.len.div_ceil(RUN);
+        for columns in self.differences.chunks(COLUMNS) {
+            let dots = dots(row, columns, runs);
+            for dot in dots {
+                let Some(sum) = sums.next() else { return };
+                *sum = sum.wrapping_add(dot);
+            }
+        }
     }
 }
 
+/// Elements that small builds multiply in a run.
+const RUN: usize = 4;
+
+/// Columns that they multiply with a row at once.
+const COLUMNS: usize = 3;
+
 #[cfg_attr(not(feature = "small"), inline(always))]
 fn dot(a: &[i16; CHUNK], b: &[i16; CHUNK]) -> i32 {
-    let products = a.iter().zip(b).map(|(&a, &b)| i32::from(a).wrapping_mul(b.into()));
-    products.fold(0, i32::wrapping_add)
+    a.iter().zip(b).fold(0, |sum, (&a, &b)| sum.wrapping_add(product(a, b)))
+}
+
+/// The products of the first runs of a row with those of up to three columns, and with itself where there are fewer.
+fn dots(row: &[i16; CHUNK], columns: &[[i16; CHUNK]], runs: usize) -> [i32; COLUMNS] {
+    let column = |number| columns.get(number).unwrap_or(row).as_chunks::<RUN>().0;
+    let runs = row.as_chunks::<RUN>().0.iter().zip(column(0)).zip(column(1)).zip(column(2)).take(runs);
+    runs.fold([0; COLUMNS], |[a, b, c], (((&row, first), second), third)| {
+        [add_run(a, row, first), add_run(b, row, second), add_run(c, row, third)]
+    })
+}
+
+#[inline(always)]
+fn add_run(sum: i32, [a, b, c, d]: [i16; RUN], &[p, q, r, s]: &[i16; RUN]) -> i32 {
+    let sum = sum.wrapping_add(product(a, p)).wrapping_add(product(b, q));
+    sum.wrapping_add(product(c, r)).wrapping_add(product(d, s))
+}
+
+#[inline(always)]
+fn product(a: i16, b: i16) -> i32 {
+    i32::from(a).wrapping_mul(b.into())
 }
 
 /// What the weights make of the differences, in 1/2^[`WEIGHT_BITS`].
@@ -306,6 +350,32 @@ mod tests {
         sums.solve(4, &mut weights).unwrap();
         let exact = [1 << 11, 1 << 10, -1 << 9, 0];
         assert!(weights.iter().zip(exact).all(|(weight, exact): (&i16, i16)| (weight - exact).abs() < 64));
+    }
+
+    #[test]
+    fn products_are_summed_up() {
+        for (len, taps) in [(CHUNK, UNKNOWNS), (30, 12), (1, 4), (7, 5)] {
+            let (mut chunk, mut sums) = (Chunk::NEW, Sums::ZERO);
+            // What is there from before does not count.
+            chunk.differences.as_flattened_mut().fill(77);
+            chunk.load(len, 1..=UNKNOWNS + 1, |slots, row| {
+                for (slot, column) in slots.iter_mut().zip(1..) {
+                    *slot = i16::try_from(row * column * 37 % 509).unwrap() - 254;
+                }
+            });
+            let (rows, targets) = (chunk.differences, chunk.targets);
+            let dot = |a: &[i16; CHUNK], b: &[i16; CHUNK]| -> i32 {
+                a.iter().zip(b).take(len).map(|(&a, &b)| i32::from(a) * i32::from(b)).sum()
+            };
+            chunk.add_products(taps, &mut sums);
+            for row in 0..taps {
+                assert_eq!(sums.right[row], dot(&rows[row], &targets));
+                for column in 0..=row {
+                    assert_eq!(sums.matrix[row * (row + 1) / 2 + column], dot(&rows[row], &rows[column]));
+                }
+            }
+            assert!(sums.right[taps..].iter().all(|&sum| sum == 0));
+        }
     }
 
     #[test]

@@ -1,35 +1,97 @@
 //! How large a residual is expected to be: the class of the ranks around it.
 
-use super::neighbours::{Around, Kind, add_row};
+use super::MOST_SPAN_BITS;
+use super::neighbours::{Around, Kind, add_row, add_three};
+use crate::extent::to_usize;
 
 /// Classes there are.
 pub(super) const CLASSES: usize = 14;
 
+/// Where the class of a rank may stand above it: sums of nine ranks do not reach it.
+pub(super) const PLACE: u32 = 24;
+
+/// Ranks, and sums of them, without classes above.
+pub(super) const RANKS: i32 = (1 << PLACE) - 1;
+
+const _: () = assert!(9 << (MOST_SPAN_BITS + 1) <= RANKS);
+
 /// The least energies of the classes but the first.
 const LEAST: [i32; CLASSES - 1] = [1, 3, 5, 8, 12, 18, 28, 44, 80, 160, 400, 1200, 5000];
 
-/// The class of each place of a row.
+/// The classes of the first energies, which nearly all are: small builds look them up.
+#[rustfmt::skip]
+const FIRST: [u8; 80] = [
+    0, 1, 1, 2, 2, 3, 3, 3, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5, 6, 6,
+    6, 6, 6, 6, 6, 6, 6, 6, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7, 7,
+    7, 7, 7, 7, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8,
+    8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8,
+];
+
+/// The classes that they have, but the last.
+const PASSED: u8 = 8;
+
+/// The class of each place of a row, of ranks that may have classes above them.
 pub(super) fn classes(around: &Around<'_>, classes: &mut [i32]) {
+    if around.kind == Kind::Brick && cfg!(feature = "small") {
+        return classes_of_brick(around, classes);
+    }
     classes.fill(0);
     match around.kind {
         Kind::First => return,
-        Kind::Plane => add_row(classes, around.north, [1, 2, 1]),
+        Kind::Plane => add_three(classes, around.north, [1, 2, 1]),
         Kind::Brick => {
-            add_row(classes, around.north, [1, 2, 1]);
-            add_row(classes, around.up, [1, 2, 1]);
-            add_row(classes, around.up_south, [0, 1, 0]);
-            classes.iter_mut().for_each(|energy| *energy >>= 1);
+            add_three(classes, around.north, [1, 2, 1]);
+            add_three(classes, around.up, [1, 2, 1]);
+            add_row(classes, around.up_south, |sum, [rank]| sum.wrapping_add(rank));
+            return classes.iter_mut().for_each(|sum| *sum = class((*sum & RANKS) >> 1));
         }
     }
-    for class in classes {
-        let energy = *class;
-        *class = LEAST.iter().fold(0, |count: i32, &least| count.wrapping_add(i32::from(energy >= least)));
+    classes.iter_mut().for_each(|sum| *sum = class(*sum & RANKS));
+}
+
+/// The classes of a row of a brick, in one pass.
+fn classes_of_brick(around: &Around<'_>, classes: &mut [i32]) {
+    let Around { north, up, up_south, .. } = around;
+    let (Some((&north, norths)), Some((&up, ups))) = (north.split_first(), up.split_first()) else { return };
+    let mut here = north.wrapping_add(up);
+    // Beyond its ends a row has its first and its last value again.
+    let mut with_west = here.wrapping_mul(2);
+    let places = classes.iter_mut().zip(*up_south).zip(norths).zip(ups);
+    for (((class, south), north), up) in places {
+        let east = north.wrapping_add(*up);
+        let with_east = here.wrapping_add(east);
+        *class = self::class((with_west.wrapping_add(with_east).wrapping_add(*south) & RANKS) >> 1);
+        (here, with_west) = (east, with_east);
+    }
+    if let (Some(class), Some(south)) = (classes.last_mut(), up_south.last()) {
+        let sum = with_west.wrapping_add(here.wrapping_mul(2)).wrapping_add(*south);
+        *class = self::class((sum & RANKS) >> 1);
+    }
+}
+
+/// The class of an energy.
+#[inline(always)]
+fn class(energy: i32) -> i32 {
+    let count = |count: i32, &least: &i32| count.wrapping_add(i32::from(energy >= least));
+    if !cfg!(feature = "small") {
+        return LEAST.iter().fold(0, count);
+    }
+    match FIRST.get(to_usize(energy.cast_unsigned())) {
+        Some(&class) => class.into(),
+        None => LEAST.iter().skip(PASSED.into()).fold(PASSED.into(), count),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn first_classes_are_looked_up() {
+        for (energy, &class) in (0..).zip(&FIRST) {
+            assert_eq!(usize::from(class), LEAST.iter().filter(|&&least| least <= energy).count());
+        }
+    }
 
     #[test]
     fn energies_by_hand() {

@@ -23,7 +23,7 @@ use core::ops::Range;
 use self::bits::{BitReader, BitWriter};
 use self::neighbours::{Kind, row_at};
 use self::numerals::{NumeralReader, NumeralWriter};
-use self::predict::Weights;
+use self::predict::{Prediction, Weights};
 pub(super) use self::tables::Tables;
 pub(super) use self::train::Lessons;
 use super::{Memory, range};
@@ -44,39 +44,49 @@ const SPAN: Range<usize> = 4..8;
 /// As [`LOWEST`].
 const EXTRA_LEN: Range<usize> = 8..12;
 
-/// Whether samples as these are worth coding under tables: a slice or a brick large enough, of a span small enough.
-pub(crate) fn suits(extent: Extent, samples: &[i32]) -> bool {
-    let ([width, ..], (lowest, highest)) = (extent.sides(), range(samples));
-    let span = highest.wrapping_sub(lowest).cast_unsigned();
-    samples.len() >= FEWEST && samples.len() > width && span >> MOST_SPAN_BITS == 0
+/// The lowest of samples and how much more the highest is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Span {
+    lowest: i32,
+    span: i32,
 }
 
-/// Encodes samples that [`suits`] into the beginning of `out`, and returns the length of the segment.
+impl Span {
+    /// That of samples which are worth coding under tables: of a slice or a brick large enough, and not too far apart.
+    pub(crate) fn suitable(extent: Extent, samples: &[i32]) -> Option<Self> {
+        let [width, ..] = extent.sides();
+        if samples.len() < FEWEST || samples.len() <= width {
+            return None;
+        }
+        let (lowest, highest) = range(samples);
+        let span = highest.wrapping_sub(lowest);
+        (span.cast_unsigned() >> MOST_SPAN_BITS == 0).then_some(Self { lowest, span })
+    }
+}
+
+/// Encodes samples of a span that is suitable into the beginning of `out`, and returns the length of the segment.
 ///
 /// `None` if it does not fit, with `samples` as they were; otherwise they are used up. `scratch` holds a row.
 pub(crate) fn encode(
     memory: &mut Memory,
-    extent: Extent,
+    (extent, span): (Extent, Span),
     samples: &mut [i32],
     scratch: &mut [i32],
     out: &mut [u8],
 ) -> Option<usize> {
-    let (lowest, highest) = range(samples);
-    let span = highest.wrapping_sub(lowest);
-    copy(&lowest.to_le_bytes(), out.get_mut(LOWEST)?);
-    copy(&span.to_le_bytes(), out.get_mut(SPAN)?);
-    if span == 0 {
+    copy(&span.lowest.to_le_bytes(), out.get_mut(LOWEST)?);
+    copy(&span.span.to_le_bytes(), out.get_mut(SPAN)?);
+    if span.span == 0 {
         return Some(SPAN.end);
     }
     let _ = out.get(EXTRA_LEN)?;
-    samples.iter_mut().for_each(|sample| *sample = sample.wrapping_sub(lowest));
     let mut brick = Brick::new(extent, span, samples, scratch)?;
     let weights = brick.train(memory.lessons()?);
     brick.make_residuals(&weights);
     let len = brick.write(memory.tables()?, &weights, out);
     if len.is_none() {
+        brick.values.iter_mut().for_each(|value| *value &= class::RANKS);
         brick.make_samples(&weights);
-        samples.iter_mut().for_each(|sample| *sample = sample.wrapping_add(lowest));
     }
     len
 }
@@ -102,18 +112,15 @@ pub(crate) fn decode(
     }
     let extra_len = to_usize(u32::from_le_bytes(field(EXTRA_LEN)?));
     let (extra, rest) = bytes.get(EXTRA_LEN.end..)?.split_at_checked(extra_len)?;
-    let mut brick = Brick::new(extent, span, samples, scratch)?;
+    let mut brick = Brick::new(extent, Span { lowest, span }, samples, scratch)?;
     let weights = brick.read(memory.tables()?, extra, rest)?;
-    brick.make_samples(&weights);
-    samples.iter_mut().for_each(|sample| *sample = sample.wrapping_add(lowest));
-    Some(())
+    brick.make_samples(&weights)
 }
 
-/// A brick of samples from 0 on, or of the ranks of their residuals.
+/// A brick of samples, or of the ranks of their residuals.
 struct Brick<'a> {
     sides: [usize; 3],
-    /// The largest sample.
-    span: i32,
+    span: Span,
     values: &'a mut [i32],
     /// A row.
     scratch: &'a mut [i32],
@@ -123,7 +130,7 @@ struct Brick<'a> {
 type BothWeights = [Weights; 2];
 
 impl<'a> Brick<'a> {
-    fn new(extent: Extent, span: i32, values: &'a mut [i32], scratch: &'a mut [i32]) -> Option<Self> {
+    fn new(extent: Extent, span: Span, values: &'a mut [i32], scratch: &'a mut [i32]) -> Option<Self> {
         let sides = extent.sides();
         let [width, ..] = sides;
         Some(Self { sides, span, values, scratch: scratch.get_mut(..width)? })
@@ -143,6 +150,7 @@ impl<'a> Brick<'a> {
     }
 
     /// The weights that suit the samples.
+    #[cfg_attr(feature = "small", inline(never))]
     fn train(&mut self, lessons: &mut Lessons) -> BothWeights {
         let mut weights = Weights::FIRST;
         for kind in self.weighted() {
@@ -154,34 +162,44 @@ impl<'a> Brick<'a> {
     }
 
     /// Makes ranks of residuals of samples.
+    #[cfg_attr(feature = "small", inline(never))]
     fn make_residuals(&mut self, weights: &BothWeights) -> Option<()> {
+        let prediction = Prediction::new(weights, self.span);
         for place in self.rows().rev() {
             let (around, row) = row_at(self.values, self.sides, place)?;
-            predict::forward(&around, weights, self.span, row, self.scratch);
+            prediction.forward(&around, row, self.scratch);
         }
         Some(())
     }
 
     /// Undoes [`Brick::make_residuals`].
     fn make_samples(&mut self, weights: &BothWeights) -> Option<()> {
+        let prediction = Prediction::new(weights, self.span);
         for place in self.rows() {
             let (around, row) = row_at(self.values, self.sides, place)?;
-            predict::inverse(&around, weights, self.span, row, self.scratch);
+            prediction.inverse(&around, row, self.scratch);
         }
         Some(())
     }
 
     /// Writes the ranks behind the fixed fields; returns the length of the segment.
+    ///
+    /// The class of each rank stands above it from then on.
+    #[cfg_attr(feature = "small", inline(never))]
     fn write(&mut self, tables: &mut Tables, weights: &BothWeights, out: &mut [u8]) -> Option<usize> {
         let (fixed, rest) = out.split_at_mut_checked(EXTRA_LEN.end)?;
         let mut extra = BitWriter::new(rest);
         for place in self.rows() {
             let (around, row) = row_at(self.values, self.sides, place)?;
             class::classes(&around, self.scratch);
-            for (&rank, &class) in row.iter().zip(&*self.scratch) {
-                let (token, bits) = token::of_rank(rank.cast_unsigned());
+            for (value, &class) in row.iter_mut().zip(&*self.scratch) {
+                let rank = value.cast_unsigned();
+                let (token, bits) = token::of_rank(rank);
                 tables.count(class, token);
-                extra.put(rank.cast_unsigned(), bits)?;
+                if bits > 0 {
+                    extra.put(rank, bits)?;
+                }
+                *value |= class << class::PLACE;
             }
         }
         let extra_len = extra.finish()?;
@@ -192,15 +210,15 @@ impl<'a> Brick<'a> {
         tables.write(&mut head)?;
         let at = extra_len.wrapping_add(head.finish()?);
         let mut numerals = NumeralWriter::new(rest.get_mut(at..)?);
-        for place in self.rows().rev() {
-            let (around, row) = row_at(self.values, self.sides, place)?;
-            class::classes(&around, self.scratch);
-            numerals.write_row(tables, self.scratch, row)?;
+        let [width, ..] = self.sides;
+        for row in self.values.rchunks(width.max(1)) {
+            numerals.write_row(tables, row)?;
         }
         Some(numerals.finish()?.wrapping_add(at).wrapping_add(EXTRA_LEN.end))
     }
 
     /// Reads the ranks: `extra` holds their extra bits, `rest` all else.
+    #[cfg_attr(feature = "small", inline(never))]
     fn read(&mut self, tables: &mut Tables, extra: &[u8], rest: &[u8]) -> Option<BothWeights> {
         let mut head = BitReader::new(rest);
         let mut weights = Weights::FIRST;

@@ -65,25 +65,65 @@ pub(super) fn row_at(
     Some((around, row))
 }
 
-/// Adds to each of `sums` the products of `weights` with the values of `row` around the same place; beyond its ends stands
-/// the first or the last.
+/// Adds to each of `sums` what `add` makes of the values of `row` around the same place; beyond its ends stands the first
+/// or the last.
 #[cfg_attr(not(feature = "small"), inline(always))]
-pub(super) fn add_row<const N: usize>(sums: &mut [i32], row: &[i32], weights: [i32; N]) {
+pub(super) fn add_row<const N: usize>(sums: &mut [i32], row: &[i32], add: impl Fn(i32, [i32; N]) -> i32) {
     let (width, reach) = (row.len(), N / 2);
     let inner = sums.get_mut(reach..).unwrap_or(&mut []);
-    for (sum, window) in inner.iter_mut().zip(row.array_windows::<N>()) {
-        for (value, weight) in window.iter().zip(weights) {
-            *sum = sum.wrapping_add(value.wrapping_mul(weight));
-        }
+    for (sum, &window) in inner.iter_mut().zip(row.array_windows()) {
+        *sum = add(*sum, window);
     }
     let last = width.saturating_sub(1);
     for x in (0..reach.min(width)).chain(width.saturating_sub(reach).max(reach)..width) {
-        let columns = (0..N).map(|tap| x.wrapping_add(tap).saturating_sub(reach).min(last));
-        let products = columns
-            .zip(weights)
-            .map(|(column, weight)| row.get(column).copied().unwrap_or(0).wrapping_mul(weight));
-        let sum = products.fold(0, i32::wrapping_add);
-        sums.iter_mut().skip(x).take(1).for_each(|slot| *slot = slot.wrapping_add(sum));
+        let column = |tap: usize| x.wrapping_add(tap).saturating_sub(reach).min(last);
+        let window = core::array::from_fn(|tap| row.get(column(tap)).copied().unwrap_or(0));
+        if let Some(sum) = sums.get_mut(x) {
+            *sum = add(*sum, window);
+        }
+    }
+}
+
+/// The same with three weights.
+#[cfg_attr(not(feature = "small"), inline(always))]
+pub(super) fn add_three(sums: &mut [i32], row: &[i32], weights: [i32; 3]) {
+    let add = three(weights);
+    if !cfg!(feature = "small") {
+        return add_row(sums, row, add);
+    }
+    let Some((&first, rest)) = row.split_first() else { return };
+    let (mut west, mut here) = (first, first);
+    let (pairs, odd) = rest.as_chunks::<2>();
+    for (sums, &[east, far_east]) in sums.as_chunks_mut::<2>().0.iter_mut().zip(pairs) {
+        let [first, second] = *sums;
+        *sums = [add(first, [west, here, east]), add(second, [here, east, far_east])];
+        (west, here) = (east, far_east);
+    }
+    let mut left = sums.iter_mut().skip(pairs.len().wrapping_mul(2));
+    for (&east, sum) in odd.iter().zip(&mut left) {
+        *sum = add(*sum, [west, here, east]);
+        (west, here) = (here, east);
+    }
+    if let Some(sum) = left.next() {
+        *sum = add(*sum, [west, here, here]);
+    }
+}
+
+/// Adds products of three values with `weights` to a sum.
+#[inline(always)]
+fn three([a, b, c]: [i32; 3]) -> impl Fn(i32, [i32; 3]) -> i32 {
+    move |sum: i32, [p, q, r]| {
+        let sum = sum.wrapping_add(a.wrapping_mul(p)).wrapping_add(b.wrapping_mul(q));
+        sum.wrapping_add(c.wrapping_mul(r))
+    }
+}
+
+/// The same of five.
+#[inline(always)]
+pub(super) fn five([a, b, c, d, e]: [i32; 5]) -> impl Fn(i32, [i32; 5]) -> i32 {
+    let three = three([a, b, c]);
+    move |sum, [p, q, r, s, t]| {
+        three(sum, [p, q, r]).wrapping_add(d.wrapping_mul(s)).wrapping_add(e.wrapping_mul(t))
     }
 }
 
@@ -109,10 +149,10 @@ mod tests {
     #[test]
     fn ends_stand_for_what_is_beyond() {
         let mut sums = [10, 20, 30];
-        add_row(&mut sums, &[1, 2, 4], [1, 0, 100]);
+        add_three(&mut sums, &[1, 2, 4], [1, 0, 100]);
         assert_eq!(sums, [10 + 1 + 200, 20 + 1 + 400, 30 + 2 + 400]);
         let mut sum = [0];
-        add_row(&mut sum, &[7], [1, 1, 1, 1, 1]);
+        add_row(&mut sum, &[7], five([1; 5]));
         assert_eq!(sum, [35]);
     }
 }

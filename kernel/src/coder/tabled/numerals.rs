@@ -3,7 +3,7 @@
 //! The last token written is the first read.
 
 use super::tables::{SUM_BITS, Share, Tables};
-use super::token;
+use super::{class, token};
 use crate::memory::{copy, move_within};
 
 /// Numbers that take turns along a row.
@@ -32,24 +32,24 @@ impl<'a> NumeralWriter<'a> {
         Self { states: [LEAST; STATES], out, start }
     }
 
-    /// Writes the tokens of a row of ranks under their classes; `None` if they do not fit.
-    pub(super) fn write_row(&mut self, tables: &Tables, classes: &[i32], ranks: &[i32]) -> Option<()> {
+    /// Writes the tokens of a row of ranks, whose classes stand above them; `None` if they do not fit.
+    pub(super) fn write_row(&mut self, tables: &Tables, values: &[i32]) -> Option<()> {
+        if cfg!(feature = "small") {
+            for (x, &value) in values.iter().enumerate().rev() {
+                let state = self.states.get_mut(x & (STATES - 1))?;
+                self.start = write_token(self.out, self.start, share_of(tables, value), state)?;
+            }
+            return Some(());
+        }
         let (mut states, mut start) = (self.states, self.start);
         let out = &mut *self.out;
-        let (whole_classes, last_classes) = classes.as_chunks::<STATES>();
-        let (whole_ranks, last_ranks) = ranks.as_chunks::<STATES>();
-        for (state, (&class, &rank)) in states.iter_mut().zip(last_classes.iter().zip(last_ranks)).rev() {
-            start =
-                write_token(out, start, tables.share(class, token::of_rank(rank.cast_unsigned()).0), state)?;
+        let (whole, last) = values.as_chunks::<STATES>();
+        for (state, &value) in states.iter_mut().zip(last).rev() {
+            start = write_token(out, start, share_of(tables, value), state)?;
         }
-        for (classes, ranks) in whole_classes.iter().zip(whole_ranks).rev() {
-            for (state, (&class, &rank)) in states.iter_mut().zip(classes.iter().zip(ranks)).rev() {
-                start = write_token(
-                    out,
-                    start,
-                    tables.share(class, token::of_rank(rank.cast_unsigned()).0),
-                    state,
-                )?;
+        for values in whole.iter().rev() {
+            for (state, &value) in states.iter_mut().zip(values).rev() {
+                start = write_token(out, start, share_of(tables, value), state)?;
             }
         }
         (self.states, self.start) = (states, start);
@@ -69,6 +69,12 @@ impl<'a> NumeralWriter<'a> {
         }
         Some(len)
     }
+}
+
+/// The share of the token of a rank, whose class stands above it.
+#[inline(always)]
+fn share_of(tables: &Tables, value: i32) -> Share {
+    tables.share(value >> class::PLACE, token::of_rank((value & class::RANKS).cast_unsigned()).0)
 }
 
 /// Writes a token by its share before `start`; returns where the words begin then.
@@ -160,7 +166,7 @@ mod tests {
     fn a_token_by_hand() {
         let (tables, mut out) = (halves(), [0; 16]);
         let mut writer = NumeralWriter::new(&mut out);
-        writer.write_row(&tables, &[0], &[1]).unwrap();
+        writer.write_row(&tables, &[1]).unwrap();
         assert_eq!(writer.finish(), Some(16));
         // 65536 / 2048 = 32: 32 * 4096 + 0 + 2048, and three that coded nothing.
         assert_eq!(out[..4], (32_u32 * 4096 + 2048).to_le_bytes());
@@ -173,7 +179,7 @@ mod tests {
         let mut writer = NumeralWriter::new(&mut out);
         // A bit a token: from 2^16 to 2^31 in fifteen, and a word before the sixteenth.
         for count in 0..16 {
-            writer.write_row(&tables, &[0], &[0]).unwrap();
+            writer.write_row(&tables, &[0]).unwrap();
             assert_eq!(20 - writer.start, if count < 15 { 0 } else { 2 }, "{count}");
         }
         assert_eq!(writer.finish(), Some(18));

@@ -1,8 +1,8 @@
 //! Predictions with fixed weights, row by row, and the residuals that they leave.
 
 use super::bits::{BitReader, BitWriter};
-use super::neighbours::{Around, Kind, add_row};
-use super::{BothWeights, MOST_SPAN_BITS};
+use super::neighbours::{Around, Kind, add_row, add_three, five};
+use super::{BothWeights, MOST_SPAN_BITS, Span};
 
 /// Fraction bits of weights.
 pub(super) const WEIGHT_BITS: u32 = 8;
@@ -45,6 +45,11 @@ impl Weights {
         }
     }
 
+    /// Their sum.
+    fn sum(&self) -> i32 {
+        self.rows.iter().fold(self.west, |sum, weight| sum.wrapping_add(*weight))
+    }
+
     /// Whether no sum of products overflows.
     pub(super) fn are_small(&self) -> bool {
         let magnitudes = self.rows.iter().map(|weight| weight.unsigned_abs());
@@ -70,72 +75,81 @@ impl Weights {
     }
 }
 
-/// Makes ranks of residuals of the samples of a row. `sums` is as long as it.
-pub(super) fn forward(
-    around: &Around<'_>,
-    weights: &BothWeights,
-    span: i32,
-    row: &mut [i32],
-    sums: &mut [i32],
-) {
-    let west = sum_known(around, weights, sums);
-    let ranks = sums;
-    if let (Some(rank), Some(&sample)) = (ranks.first_mut(), row.first()) {
-        *rank = self::rank(sample.wrapping_sub(predicted(*rank, west, first_west(around), span)));
-    }
-    let rest = ranks.get_mut(1..).unwrap_or(&mut []);
-    for (rank, [west_sample, sample]) in rest.iter_mut().zip(row.array_windows()) {
-        *rank = self::rank(sample.wrapping_sub(predicted(*rank, west, *west_sample, span)));
-    }
-    crate::memory::copy(ranks, row);
+/// Predictions of samples, by weights for samples less the lowest.
+#[derive(Debug)]
+pub(super) struct Prediction<'a> {
+    weights: &'a BothWeights,
+    span: Span,
+    /// What the sums of rows of the first plane and of others begin with: half a unit, so that they round, and what takes
+    /// the lowest from all samples.
+    starts: [i32; 2],
 }
 
-/// Makes samples of the ranks of a row. `sums` is as long as it.
-pub(super) fn inverse(
-    around: &Around<'_>,
-    weights: &BothWeights,
-    span: i32,
-    row: &mut [i32],
-    sums: &mut [i32],
-) {
-    let weight = sum_known(around, weights, sums);
-    let mut west = first_west(around);
-    for (slot, &sum) in row.iter_mut().zip(&*sums) {
-        west = predicted(sum, weight, west, span).wrapping_add(of_rank(*slot));
-        *slot = west;
+impl<'a> Prediction<'a> {
+    pub(super) fn new(weights: &'a BothWeights, span: Span) -> Self {
+        let start = |sum: i32| HALF.wrapping_sub(span.lowest.wrapping_mul(sum));
+        Self { weights, span, starts: weights.each_ref().map(|weights| start(weights.sum())) }
     }
-}
 
-/// The sums over known rows, each half a unit too large so that they round; returns the weight of W.
-#[cfg_attr(not(feature = "small"), inline(always))]
-fn sum_known(around: &Around<'_>, [plane, brick]: &BothWeights, sums: &mut [i32]) -> i32 {
-    sums.fill(HALF);
-    match around.kind {
-        Kind::First => 1 << WEIGHT_BITS,
-        Kind::Plane => {
-            let [a, b, c, d, e, ..] = plane.rows;
-            add_row(sums, around.north, [a, b, c, d, e]);
-            plane.west
+    /// Makes ranks of residuals of the samples of a row. `sums` is as long as it.
+    pub(super) fn forward(&self, around: &Around<'_>, row: &mut [i32], sums: &mut [i32]) {
+        let weight = self.sum_known(around, sums);
+        let mut west = self.first_west(around);
+        for (slot, &sum) in row.iter_mut().zip(&*sums) {
+            let predicted = self.predicted(sum, weight, west);
+            west = *slot;
+            *slot = rank(west.wrapping_sub(predicted));
         }
-        Kind::Brick => {
-            let rows = [around.north, around.up, around.up_north, around.up_south];
-            for (row, weights) in rows.into_iter().zip(brick.rows.as_chunks::<3>().0) {
-                add_row(sums, row, *weights);
+    }
+
+    /// Makes samples of the ranks of a row. `sums` is as long as it.
+    pub(super) fn inverse(&self, around: &Around<'_>, row: &mut [i32], sums: &mut [i32]) {
+        let weight = self.sum_known(around, sums);
+        let mut west = self.first_west(around);
+        for (slot, &sum) in row.iter_mut().zip(&*sums) {
+            west = self.predicted(sum, weight, west).wrapping_add(of_rank(*slot));
+            *slot = west;
+        }
+    }
+
+    /// The sums over known rows; returns the weight of W.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn sum_known(&self, around: &Around<'_>, sums: &mut [i32]) -> i32 {
+        let ([plane, brick], [start, brick_start]) = (self.weights, self.starts);
+        match around.kind {
+            Kind::First => {
+                sums.fill(HALF.wrapping_sub(self.span.lowest << WEIGHT_BITS));
+                1 << WEIGHT_BITS
             }
-            brick.west
+            Kind::Plane => {
+                sums.fill(start);
+                let [a, b, c, d, e, ..] = plane.rows;
+                add_row(sums, around.north, five([a, b, c, d, e]));
+                plane.west
+            }
+            Kind::Brick => {
+                sums.fill(brick_start);
+                let rows = [around.north, around.up, around.up_north, around.up_south];
+                for (row, weights) in rows.into_iter().zip(brick.rows.as_chunks::<3>().0) {
+                    add_three(sums, row, *weights);
+                }
+                brick.west
+            }
         }
     }
-}
 
-/// What stands for W of the first sample.
-#[cfg_attr(not(feature = "small"), inline(always))]
-fn first_west(around: &Around<'_>) -> i32 {
-    around.north.first().copied().unwrap_or(0)
-}
+    /// What stands for W of the first sample.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn first_west(&self, around: &Around<'_>) -> i32 {
+        around.north.first().copied().unwrap_or(self.span.lowest)
+    }
 
-#[cfg_attr(not(feature = "small"), inline(always))]
-fn predicted(sum: i32, weight: i32, west: i32, span: i32) -> i32 {
-    (sum.wrapping_add(weight.wrapping_mul(west)) >> WEIGHT_BITS).max(0).min(span)
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn predicted(&self, sum: i32, weight: i32, west: i32) -> i32 {
+        let Span { lowest, span } = self.span;
+        let predicted = sum.wrapping_add(weight.wrapping_mul(west)) >> WEIGHT_BITS;
+        predicted.max(0).min(span).wrapping_add(lowest)
+    }
 }
 
 /// 0, 1, -1, 2, -2, … by number.
@@ -171,10 +185,33 @@ mod tests {
             Around { kind: Kind::Plane, north: &[10, 20, 30], up: &[], up_north: &[], up_south: &[] };
         // p = (10 + 10) / 2 + 20 / 4 = 15, (17 + 20) / 2 + 30 / 4 = 26, 25 at most, (20 + 30) / 2 + 30 / 4 = 32.5, 25.
         let (mut row, mut scratch) = ([17, 20, 25], [0; 3]);
-        forward(&around, &weights, 25, &mut row, &mut scratch);
+        let prediction = Prediction::new(&weights, Span { lowest: 0, span: 25 });
+        prediction.forward(&around, &mut row, &mut scratch);
         assert_eq!(row, [3, 10, 0]);
-        inverse(&around, &weights, 25, &mut row, &mut scratch);
+        prediction.inverse(&around, &mut row, &mut scratch);
         assert_eq!(row, [17, 20, 25]);
+    }
+
+    #[test]
+    fn the_lowest_is_nothing() {
+        let mut weights = Weights::FIRST;
+        weights[1].rows[0] = 77;
+        let around = |kind, rows: [&'static [i32]; 2]| {
+            let [north, up] = rows;
+            Around { kind, north, up, up_north: north, up_south: up }
+        };
+        let known = [[&[7, 9, 3][..], &[1, 20, 5]], [&[1007, 1009, 1003], &[1001, 1020, 1005]]];
+        for kind in [Kind::First, Kind::Plane, Kind::Brick] {
+            let [ranks, raised] = [0, 1000].map(|lowest| {
+                let [north, up] = known[usize::from(lowest > 0)];
+                let rows = if kind == Kind::First { [&[][..]; 2] } else { [north, up] };
+                let (mut row, mut sums) = ([5, 12, 0].map(|sample| sample + lowest), [0; 3]);
+                let prediction = Prediction::new(&weights, Span { lowest, span: 30 });
+                prediction.forward(&around(kind, rows), &mut row, &mut sums);
+                row
+            });
+            assert_eq!(ranks, raised);
+        }
     }
 
     #[test]

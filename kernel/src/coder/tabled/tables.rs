@@ -207,8 +207,8 @@ fn fill_finder(starts: &[u16; TOKEN_SLOTS], finder: &mut [u8; FINDER]) {
 
 /// Writes a small change of size: as many ones as its rank, and a zero.
 fn write_step(bits: &mut BitWriter<'_>, step: i32) -> Option<()> {
-    let rank = super::predict::rank(step).cast_unsigned();
-    bits.put(low_ones(rank), rank.wrapping_add(1))
+    (0..super::predict::rank(step)).try_for_each(|_| bits.put(1, 1))?;
+    bits.put(0, 1)
 }
 
 fn read_step(bits: &mut BitReader<'_>) -> Option<i32> {
@@ -224,10 +224,6 @@ fn read_step(bits: &mut BitReader<'_>) -> Option<i32> {
 
 /// The rank of the largest change of size, from 13 bits to none.
 const MOST_RANK: i32 = 26;
-
-const fn low_ones(count: u32) -> u32 {
-    (1_u32 << (count & 31)).wrapping_sub(1)
-}
 
 #[cfg(test)]
 mod tests {

@@ -7,8 +7,11 @@ use super::predict::{TAPS, WEIGHT_BITS, Weights};
 use crate::coder::dense::{CHUNK, Chunk, SOLUTION_BITS, Solution, Sums};
 use crate::coder::low_half;
 
-/// Parts of rows that are learnt from, about.
+/// Parts of rows that are learnt from, at most and about.
 const PARTS: usize = 192;
+
+/// Of so many samples one is learnt from, or fewer.
+const SAMPLES_FOR_ONE: usize = 16;
 
 /// Bits that the largest difference of a part is brought to.
 const DIFFERENCE_BITS: u32 = 8;
@@ -43,7 +46,9 @@ impl Lessons {
         let first = usize::from(height > 1);
         let rows = height.wrapping_sub(first).wrapping_mul(planes.len());
         // An odd step meets rows at every height.
-        let every = rows.wrapping_mul(width.div_ceil(CHUNK)).div_ceil(PARTS) | 1;
+        let part = width.min(CHUNK).wrapping_mul(SAMPLES_FOR_ONE);
+        let parts = samples.len().checked_div(part).unwrap_or(0).clamp(1, PARTS);
+        let every = rows.wrapping_mul(width.div_ceil(CHUNK)).div_ceil(parts) | 1;
         for place in planes.flat_map(|z| (first..height).map(move |y| [y, z])).step_by(every) {
             let (around, row) = row_at(samples, sides, place)?;
             let reach = reach(kind);
@@ -59,7 +64,12 @@ impl Lessons {
 
     /// Adds a part of a row, which counts as much as any other, however large its differences are.
     fn add(&mut self, part: &Part<'_>) {
-        let all = part.differences().fold(0, |all, difference| all | difference.unsigned_abs());
+        let sources = part.neighbours.iter().chain([&part.targets]);
+        let all = sources.fold(0, |all, source| {
+            let differences =
+                source.iter().zip(part.centre).map(|(value, centre)| value.wrapping_sub(*centre));
+            differences.fold(all, |all, difference| all | difference.unsigned_abs())
+        });
         let bits = u32::BITS.wrapping_sub(all.leading_zeros());
         if bits == 0 {
             return;
@@ -73,7 +83,7 @@ impl Lessons {
                 *slot = scaled(value.wrapping_sub(*centre));
             }
         });
-        self.sums.renew(&self.chunk.products(part.neighbours.len()), 0);
+        self.chunk.add_products(part.neighbours.len(), &mut self.sums);
     }
 }
 
@@ -99,13 +109,6 @@ impl<'a> Part<'a> {
             }
         }
         Some(Self { centre: shifted(centre, reach)?, targets: shifted(row, reach)?, neighbours })
-    }
-
-    fn differences(&self) -> impl Iterator<Item = i32> {
-        let sources = self.neighbours.iter().chain([&self.targets]);
-        sources.flat_map(|source| {
-            source.iter().zip(self.centre).map(|(value, centre)| value.wrapping_sub(*centre))
-        })
     }
 }
 

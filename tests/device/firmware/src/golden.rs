@@ -7,7 +7,7 @@ use crate::memory::{Efforts, Parts};
 
 /// What became of a vector.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Outcome {
+pub(crate) enum Outcome {
     Passed,
     /// Decoded as it should, but there is no memory to encode it again.
     Decoded,
@@ -43,6 +43,12 @@ pub(crate) fn run(parts: &mut Parts<'_>) -> bool {
 }
 
 fn check(vector: &Vector, parts: &mut Parts<'_>) -> Outcome {
+    if vector.bytes.starts_with(b"wS") {
+        #[cfg(feature = "streams")]
+        return crate::streams::check(vector, parts);
+        #[cfg(not(feature = "streams"))]
+        return Outcome::Refused;
+    }
     let decoded = match Header::parse(vector.bytes) {
         Ok(header) if !fits(&header, parts) => return Outcome::TooLarge,
         Ok(header) => decode(vector.bytes, &header, parts),
@@ -88,12 +94,13 @@ fn encode(expected: &[u8], recipe: Recipe, parts: &mut Parts<'_>) -> Outcome {
 
 /// The length of the codestream; `None` if there is no memory to encode it in.
 fn encoded_len(recipe: Recipe, parts: &mut Parts<'_>) -> Option<Result<usize, EncodeError>> {
-    let Parts { codec, samples, scratch, bytes, efforts } = parts;
+    let Parts { codec, samples, scratch, bytes, efforts, .. } = parts;
     match recipe {
         Recipe::Coded { effort, wavelet, extent, levels, sample_type } => {
             use wavelift_kernel::Effort as Lent;
             let plan = Plan::new(wavelet, Extent::new(extent).ok()?, levels).ok()?;
             let effort = match (effort, efforts) {
+                (Effort::Tabled, _) => Lent::Tabled,
                 (Effort::Fast, _) => Lent::Fast,
                 (Effort::Default, Some(efforts)) => Lent::Default(&mut efforts.training),
                 (Effort::Dense, Some(efforts)) => Lent::Dense(&mut efforts.dense, &mut efforts.training),
@@ -110,5 +117,6 @@ fn encoded_len(recipe: Recipe, parts: &mut Parts<'_>) -> Option<Result<usize, En
             }
             Some(efforts.as_mut()?.lattice.encode(near, samples, scratch, bytes))
         }
+        Recipe::Rows { .. } | Recipe::Slabs { .. } => None,
     }
 }

@@ -14,6 +14,8 @@ mod golden;
 mod measure;
 mod memory;
 mod meter;
+#[cfg(feature = "streams")]
+mod streams;
 mod volume;
 
 use defmt_semihosting as _;

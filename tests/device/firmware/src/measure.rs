@@ -1,7 +1,8 @@
 //! Instructions and stack of encoding and decoding a brick, and sizes of state.
 
-use fixture::{crc32, crc32_of_samples, fill_part};
-use wavelift_kernel::{Codec, Dense, Effort, Extent, Feature, Lattice, Plan, SampleType, Training, Wavelet};
+use fixture::{Effort, crc32, crc32_of_samples, fill_part};
+use wavelift_kernel::Effort as Lent;
+use wavelift_kernel::{Codec, Dense, Extent, Feature, Lattice, Plan, SampleType, Training, Wavelet};
 
 use crate::memory::Parts;
 use crate::meter::Meter;
@@ -9,16 +10,17 @@ use crate::meter::Meter;
 /// Samples along each axis of the brick.
 const SIDE: u32 = if cfg!(feature = "roomy") { fixture::SIDE } else { 8 };
 
-/// Wavelet, levels, and whether predictors are trained.
-const CASES: [(Wavelet, u8, bool); 8] = [
-    (Wavelet::Haar, 0, false),
-    (Wavelet::Haar, 3, false),
-    (Wavelet::Linear, 1, false),
-    (Wavelet::Linear, 3, false),
-    (Wavelet::Quadratic, 3, false),
-    (Wavelet::Quintic, 3, false),
-    (Wavelet::Haar, 0, true),
-    (Wavelet::Linear, 3, true),
+/// Wavelet, levels and effort.
+const CASES: [(Wavelet, u8, Effort); 9] = [
+    (Wavelet::Haar, 0, Effort::Tabled),
+    (Wavelet::Haar, 0, Effort::Fast),
+    (Wavelet::Haar, 3, Effort::Fast),
+    (Wavelet::Linear, 1, Effort::Fast),
+    (Wavelet::Linear, 3, Effort::Fast),
+    (Wavelet::Quadratic, 3, Effort::Fast),
+    (Wavelet::Quintic, 3, Effort::Fast),
+    (Wavelet::Haar, 0, Effort::Default),
+    (Wavelet::Linear, 3, Effort::Default),
 ];
 
 /// Measures every case that this build can do; whether all came back.
@@ -36,34 +38,37 @@ pub(crate) fn run(meter: &Meter, parts: &mut Parts<'_>) -> bool {
 
 /// Measures one case; `None` if this build or this board cannot do it.
 fn measure(
-    (wavelet, levels, trained): (Wavelet, u8, bool),
+    (wavelet, levels, effort): (Wavelet, u8, Effort),
     meter: &Meter,
     parts: &mut Parts<'_>,
 ) -> Option<bool> {
     let extent = Extent::new([SIDE; 3]).ok()?;
     let plan = Plan::new(wavelet, extent, levels).ok()?;
-    let Parts { codec, samples, scratch, bytes, efforts } = parts;
-    let effort = match (trained, efforts) {
-        (false, _) => Effort::Fast,
-        (true, Some(efforts)) if Feature::Trained.is_built() => Effort::Default(&mut efforts.training),
-        (true, _) => return None,
+    let Parts { codec, samples, scratch, bytes, efforts, .. } = parts;
+    let lent = match (effort, efforts) {
+        (Effort::Tabled, _) if Feature::Tabled.is_built() => Lent::Tabled,
+        (Effort::Fast, _) => Lent::Fast,
+        (Effort::Default, Some(efforts)) if Feature::Trained.is_built() => {
+            Lent::Default(&mut efforts.training)
+        }
+        _ => return None,
     };
     let samples = &mut samples[..extent.samples()];
     let scratch = &mut scratch[..plan.scratch_len()];
     fill_part([0; 3], extent.axes(), samples);
     let original = crc32_of_samples(samples);
     let (encoded, encoding) =
-        meter.measure(|| codec.encode(effort, &plan, SampleType::U16, samples, scratch, bytes));
+        meter.measure(|| codec.encode(lent, &plan, SampleType::U16, samples, scratch, bytes));
     let Ok(len) = encoded else { return Some(false) };
     samples.fill(0);
     let (decoded, decoding) = meter.measure(|| codec.decode(&bytes[..len], samples, scratch));
     defmt::println!(
-        "brick side={=u32} wavelet={=str} levels={=u8} trained={=u8} bytes={=u32} crc32={=u32} scratch={=u32} \
+        "brick side={=u32} wavelet={=str} levels={=u8} effort={=str} bytes={=u32} crc32={=u32} scratch={=u32} \
          encode={=u32} encode_stack={=u32} decode={=u32} decode_stack={=u32}",
         SIDE,
         wavelet.name(),
         levels,
-        u8::from(trained),
+        effort.name(),
         len as u32,
         crc32(bytes[..len].iter().copied()),
         (4 * scratch.len()) as u32,

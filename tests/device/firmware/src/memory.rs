@@ -3,6 +3,8 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+#[cfg(feature = "streams")]
+use wavelift_kernel::stream::RowCodec;
 use wavelift_kernel::{Codec, Dense, Lattice, Training};
 
 /// Samples of the largest brick or vector.
@@ -18,6 +20,8 @@ pub(crate) struct Memory {
     bytes: [u8; BYTES],
     #[cfg(feature = "roomy")]
     efforts: Efforts,
+    #[cfg(feature = "streams")]
+    rows: RowCodec,
 }
 
 /// What efforts beyond fast take.
@@ -35,6 +39,8 @@ pub(crate) struct Parts<'a> {
     pub(crate) bytes: &'a mut [u8],
     /// Where there is room.
     pub(crate) efforts: Option<&'a mut Efforts>,
+    #[cfg(feature = "streams")]
+    pub(crate) rows: &'a mut RowCodec,
 }
 
 impl Memory {
@@ -48,6 +54,8 @@ impl Memory {
             efforts: Some(&mut self.efforts),
             #[cfg(not(feature = "roomy"))]
             efforts: None,
+            #[cfg(feature = "streams")]
+            rows: &mut self.rows,
         }
     }
 }
@@ -68,6 +76,8 @@ static LENDER: Lender = Lender {
         bytes: [0; BYTES],
         #[cfg(feature = "roomy")]
         efforts: Efforts { training: Training::NEW, dense: Dense::NEW, lattice: Lattice::NEW },
+        #[cfg(feature = "streams")]
+        rows: RowCodec::NEW,
     }),
     is_lent: AtomicBool::new(false),
 };

@@ -33,7 +33,12 @@ fn encode(brick: &BTreeMap<&str, &str>) -> Result<Vec<u8>, String> {
     let mut samples = vec![0; extent.samples()];
     fill_part([0; 3], extent.axes(), &mut samples);
     let mut training = Box::new(Training::NEW);
-    let effort = if number(brick, "trained")? == 1 { Effort::Default(&mut training) } else { Effort::Fast };
+    let effort = match brick.get("effort").copied() {
+        Some("tabled") => Effort::Tabled,
+        Some("fast") => Effort::Fast,
+        Some("default") => Effort::Default(&mut training),
+        _ => return Err(format!("a brick of no effort: {brick:?}")),
+    };
     encode_samples(effort, &plan, &mut samples)
 }
 

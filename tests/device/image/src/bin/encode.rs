@@ -1,4 +1,4 @@
-//! An encoder that trains nothing.
+//! An encoder that trains nothing, or one of tables.
 
 #![no_std]
 #![no_main]
@@ -16,5 +16,6 @@ pub fn encode(
     scratch: &mut [i32],
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
-    codec.encode(Effort::Fast, plan, sample_type, samples, scratch, out)
+    let effort = if cfg!(feature = "tables") { Effort::Tabled } else { Effort::Fast };
+    codec.encode(effort, plan, sample_type, samples, scratch, out)
 }
