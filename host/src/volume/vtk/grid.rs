@@ -75,10 +75,10 @@ impl Grid {
     fn place(&self, behind: f64) -> [f64; 3] {
         let steps = self.steps();
         let mut place = self.origin;
-        for axis in 0..3 {
+        for (axis, step) in steps.into_iter().enumerate() {
             let by = self.start[axis] as f64 + if self.points[axis] > 1 { behind } else { 0.0 };
             if by != 0.0 {
-                place.iter_mut().zip(steps[axis]).for_each(|(value, step)| *value += by * step);
+                place.iter_mut().zip(step).for_each(|(value, step)| *value += by * step);
             }
         }
         place

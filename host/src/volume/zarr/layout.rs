@@ -73,9 +73,8 @@ impl Layout {
             Some(roles) => roles,
             None => roles_of_rank(&shape)?,
         };
-        let names = names.filter(|_| {
-            names.and_then(|names| roles_named(names)).is_none() && metadata.contains_key("dimension_names")
-        });
+        let names = names
+            .filter(|_| names.and_then(roles_named).is_none() && metadata.contains_key("dimension_names"));
         let names = names.cloned();
         Ok(Self { shape, chunk: inner, roles, element, byte_order, names, attributes })
     }

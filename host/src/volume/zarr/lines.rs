@@ -79,6 +79,8 @@ pub(super) fn attributes(metadata: &Metadata) -> Map<String, Value> {
 
 /// The lines of an array that is no image.
 pub(super) fn of_attributes(mut attributes: Map<String, Value>, names: Option<&Value>) -> Vec<HeaderLine> {
+    // The mark that zarrs puts into every array says nothing of the samples.
+    attributes.remove("_zarrs");
     let kept = attributes.get(NRRD).and_then(from_json);
     if kept.is_some() {
         attributes.remove(NRRD);

@@ -67,14 +67,18 @@ pub(super) fn create(path: &Path, header: &Header, options: &WriteOptions) -> Re
             }
         }
     }
-    let other = |cause: String| fault(io::Error::other(cause));
-    let store = FilesystemStore::new(&inner).map_err(|cause| other(cause.to_string()))?;
-    let parsed: ArrayMetadata = serde_json::from_value(metadata).map_err(|cause| other(cause.to_string()))?;
-    let array = Array::new_with_metadata(Arc::new(store), "/", parsed);
-    let array = array.map_err(|cause| other(cause.to_string()))?;
-    array.store_metadata().map_err(|cause| other(cause.to_string()))?;
+    fs::create_dir_all(&inner).map_err(fault)?;
+    fs::write(inner.join("zarr.json"), format!("{metadata:#}\n")).map_err(fault)?;
+    let array = opened(&inner, metadata).map_err(|cause| fault(io::Error::other(cause)))?;
     let (path, header) = (path.to_owned(), header.clone());
     Ok(ZarrSink { folder, array, path, header, roles, chunk, slab: Vec::new(), step: 0, z: 0, written: 0 })
+}
+
+/// The array in a folder with this metadata.
+fn opened(folder: &Path, metadata: Value) -> Result<Array<FilesystemStore>, String> {
+    let store = FilesystemStore::new(folder).map_err(|cause| cause.to_string())?;
+    let metadata: ArrayMetadata = serde_json::from_value(metadata).map_err(|cause| cause.to_string())?;
+    Array::new_with_metadata(Arc::new(store), "/", metadata).map_err(|cause| cause.to_string())
 }
 
 /// Axes of an array: only those that there are, time first and components last, so that no sample moves.

@@ -1,5 +1,6 @@
 //! Arrays as sources: samples come a slab of chunks at a time.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -57,9 +58,11 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
             limit: LARGEST_BYTES,
         }));
     }
-    let store = FilesystemStore::new(&folder).map_err(|cause| fault(ZarrError::Zarrs(cause.to_string())))?;
-    let array =
-        Array::open(Arc::new(store), "/").map_err(|cause| fault(ZarrError::Zarrs(cause.to_string())))?;
+    let array = guarded(|| {
+        let store = FilesystemStore::new(&folder).map_err(|cause| cause.to_string())?;
+        Array::open(Arc::new(store), "/").map_err(|cause| cause.to_string())
+    });
+    let array = array.map_err(|cause| fault(ZarrError::Zarrs(cause)))?;
     if array.shape() != layout.shape {
         return Err(fault(ZarrError::Metadata { what: "shape" }));
     }
@@ -143,9 +146,12 @@ impl ZarrSource {
         };
         let ranges: Vec<_> = self.layout.roles.iter().map(|role| range(*role)).collect();
         let subset = ArraySubset::new_with_ranges(&ranges);
-        let found: ArrayBytes<'static> =
-            self.array.retrieve_array_subset(&subset).map_err(|cause| self.fault(cause))?;
-        let mut found = found.into_fixed().map_err(|cause| self.fault(cause))?.into_owned();
+        let found = guarded(|| {
+            let found: ArrayBytes<'static> =
+                self.array.retrieve_array_subset(&subset).map_err(|cause| cause.to_string())?;
+            Ok(found.into_fixed().map_err(|cause| cause.to_string())?.into_owned())
+        });
+        let mut found = found.map_err(|cause| self.fault(cause))?;
         if cfg!(target_endian = "big") {
             reorder(&mut found, self.header.element, ByteOrder::Big);
         }
@@ -173,10 +179,16 @@ impl ZarrSource {
         self.layout.axis(role).map_or(1, |axis| lengths[axis + 1..].iter().product())
     }
 
-    fn fault(&self, cause: impl std::fmt::Display) -> ReadError {
-        let cause = Box::new(ZarrError::Zarrs(cause.to_string()));
+    fn fault(&self, cause: String) -> ReadError {
+        let cause = Box::new(ZarrError::Zarrs(cause));
         ReadError::Format { path: self.path.clone(), format: FileFormat::Zarr, cause }
     }
+}
+
+/// Takes a panic of zarrs for an error: a damaged index of a shard leads to sums that overflow there.
+fn guarded<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(run))
+        .unwrap_or_else(|_| Err("its metadata or chunks are damaged".to_owned()))
 }
 
 impl Source for ZarrSource {

@@ -350,7 +350,7 @@ fn hostile_folders_return() {
     write_old_chunks(&v2);
     for path in [&array, &image, &sharded, &v2] {
         for (file, bytes) in files_of(path) {
-            let step = bytes.len() / 400 + 1;
+            let step = bytes.len() / 100 + 1;
             for at in (0..bytes.len()).step_by(step) {
                 let mut changed = bytes.clone();
                 for change in [1, 0x10, 0x80] {
