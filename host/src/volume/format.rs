@@ -5,9 +5,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
+#[cfg(feature = "zarr")]
+use super::zarr;
 use super::{
     Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd, png, pnm, vtk,
-    zarr,
 };
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
@@ -105,6 +106,7 @@ const FORMATS: &[&dyn Format] = &[
     &pnm::Pnm,
     &vtk::VtkLegacy,
     &vtk::VtkXml,
+    #[cfg(feature = "zarr")]
     &zarr::Zarr,
     &metaimage::MetaImage,
     &png::Png,

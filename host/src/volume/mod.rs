@@ -30,6 +30,7 @@ mod stored;
 mod stream;
 pub mod synthetic;
 mod vtk;
+#[cfg(feature = "zarr")]
 mod zarr;
 
 use std::path::Path;
@@ -56,6 +57,7 @@ use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
 pub use vtk::VtkError;
+#[cfg(feature = "zarr")]
 pub use zarr::ZarrError;
 
 /// A whole data set in memory.
