@@ -8,6 +8,7 @@ import pathlib
 import subprocess
 
 import numpy as np
+import tifffile
 from PIL import Image, PngImagePlugin
 
 
@@ -19,8 +20,9 @@ def arguments():
 
 
 def same(name, found, expected):
-    """Stops unless two arrays have the same type, shape and values."""
-    if found.dtype != expected.dtype or found.shape != expected.shape or not np.array_equal(found, expected):
+    """Stops unless two arrays have the same type, in either byte order, shape and values."""
+    types = [array.dtype.newbyteorder("=") for array in (found, expected)]
+    if types[0] != types[1] or found.shape != expected.shape or not np.array_equal(found, expected):
         raise SystemExit(f"{name}: {found.dtype} {found.shape} is not as expected, {expected.dtype} {expected.shape}")
 
 
@@ -83,6 +85,81 @@ class Check:
             with Image.open("again.png") as again:
                 same(f"mode {mode}", np.asarray(again), np.asarray(expected))
 
+    def tiff_types(self):
+        """Every type, byte order and way to store, by way of NumPy."""
+        random = np.random.default_rng(3)
+        for kind in ["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"]:
+            volume = random.integers(0, 100, (5, 33, 47)).astype(kind)
+            for order, more in [("<", {}), (">", {}), ("<", {"bigtiff": True}), (">", {"tile": (16, 32)}), ("<", {"rowsperstrip": 5})]:
+                tifffile.imwrite("a.tif", volume, byteorder=order, photometric="minisblack", **more)
+                self.convert("a.tif", "a.npy")
+                same(f"{kind} {more}", np.load("a.npy"), volume)
+                self.convert("a.tif", "b.tif")
+                same(f"{kind} again", tifffile.imread("b.tif"), volume)
+        volume = random.integers(0, 2000, (3, 40, 30), dtype=np.uint16)
+        for compression, predictor in [("zlib", None), ("zlib", 2), ("lzw", None), ("lzw", 2), ("packbits", None)]:
+            for values in [volume, volume.astype(np.float32) / 7]:
+                for tile in [None, (16, 16)]:
+                    use = 3 if predictor and values.dtype == np.float32 else predictor
+                    try:
+                        tifffile.imwrite("a.tif", values, compression=compression, predictor=use, tile=tile, photometric="minisblack")
+                    except (ImportError, ValueError) as missing:
+                        # Some codecs of tifffile are in a package of their own.
+                        if "imagecodecs" not in str(missing):
+                            raise
+                        continue
+                    self.convert("a.tif", "a.npy")
+                    same(f"{compression} {use} {tile}", np.load("a.npy"), values)
+        for compression in ["tiff_lzw", "packbits", "tiff_adobe_deflate"]:
+            Image.fromarray(volume[0]).save("p.tif", compression=compression)
+            self.convert("p.tif", "p.npy")
+            same(compression, np.load("p.npy"), volume[0])
+        for planar in ["contig", "separate"]:
+            colors = random.integers(0, 255, (3, 20, 30) if planar == "separate" else (20, 30, 3), dtype=np.uint8)
+            tifffile.imwrite("c.tif", colors, photometric="rgb", planarconfig=planar)
+            self.convert("c.tif", "c.png")
+            expected = np.moveaxis(colors, 0, -1) if planar == "separate" else colors
+            same(planar, np.asarray(Image.open("c.png")), expected)
+
+    def hyperstacks(self):
+        """Channels, slices, frames, distances and units of ImageJ and OME-TIFF, both ways."""
+        stack = np.arange(4 * 3 * 2 * 5 * 6, dtype=np.uint16).reshape(4, 3, 2, 5, 6)
+        resolution = (1 / 0.25, 1 / 0.5)
+        about = {"spacing": 1.5, "unit": "um", "axes": "TZCYX", "finterval": 0.1}
+        tifffile.imwrite("i.tif", stack, imagej=True, resolution=resolution, metadata=about)
+        ome = {"axes": "TZCYX", "PhysicalSizeX": 0.25, "PhysicalSizeXUnit": "µm", "PhysicalSizeY": 0.5, "PhysicalSizeZ": 1.5}
+        tifffile.imwrite("o.ome.tif", stack, ome=True, photometric="minisblack", metadata=ome)
+        for source in ["i.tif", "o.ome.tif"]:
+            self.convert(source, f"again_{source}")
+            with tifffile.TiffFile(source) as a, tifffile.TiffFile(f"again_{source}") as b:
+                same(source, b.series[0].asarray(), a.series[0].asarray())
+                if a.series[0].axes != b.series[0].axes or a.ome_metadata != b.ome_metadata:
+                    raise SystemExit(f"{source}: axes {a.series[0].axes} became {b.series[0].axes}")
+                old, new = a.imagej_metadata or {}, b.imagej_metadata or {}
+                for key in set(old) - {"ImageJ"}:
+                    if old[key] != new.get(key):
+                        raise SystemExit(f"{source}: {key} {old[key]!r} became {new.get(key)!r}")
+                if a.pages[0].tags["XResolution"].value != b.pages[0].tags["XResolution"].value:
+                    raise SystemExit(f"{source}: another resolution")
+
+    def tiff_slices(self, volume):
+        """A file for each slice, and one file of all."""
+        folder = pathlib.Path("tiff")
+        folder.mkdir()
+        for z, plane in enumerate(volume):
+            tifffile.imwrite(folder / f"s{z:03d}.tif", plane)
+        self.convert(folder, "all.tif")
+        same("all.tif", tifffile.imread("all.tif"), volume)
+        self.convert("all.tif", "one/s%02d.tif")
+        same("one", np.stack([tifffile.imread(file) for file in sorted(pathlib.Path("one").iterdir())]), volume)
+        # ImageJ's way beyond 4 GiB: one directory, and the samples of all pages behind it.
+        tifffile.imwrite("flat.tif", volume, imagej=True)
+        with tifffile.TiffFile("flat.tif") as file:
+            if len(file.pages) != 1:
+                print("flat.tif has a directory for each page")
+        self.convert("flat.tif", "flat.npy")
+        same("flat.tif", np.load("flat.npy"), volume)
+
 
 def main():
     given = arguments()
@@ -91,6 +168,9 @@ def main():
     check.png_slices(random.integers(0, 65536, (11, 6, 7), dtype=np.uint16))
     check.png_metadata()
     check.png_modes()
+    check.tiff_types()
+    check.hyperstacks()
+    check.tiff_slices(random.integers(0, 65536, (11, 6, 7), dtype=np.uint16))
     print(f"images: {check.count} conversions right")
 
 

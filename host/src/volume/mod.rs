@@ -12,6 +12,7 @@ mod input;
 mod metadata;
 mod npy;
 mod nrrd;
+mod packbits;
 mod planes;
 mod png;
 mod pnm;
@@ -21,6 +22,7 @@ mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod tiff;
 
 use std::path::Path;
 
@@ -40,6 +42,7 @@ pub use raw::RawLayout;
 use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use tiff::TiffError;
 
 /// A whole data set in memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -124,7 +124,7 @@ fn open_file(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>,
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
     let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
-    if options.gzip && format.format() != FileFormat::Nrrd {
+    if options.gzip && !matches!(format.format(), FileFormat::Nrrd | FileFormat::Tiff) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }
     match Pattern::of_path(path) {
