@@ -179,6 +179,7 @@ impl Plan {
             let kept = metadata.key_value(key).and_then(ratio);
             let spacing = spacings.get(axis).copied().filter(|spacing| spacing.is_finite() && *spacing > 0.0);
             self.resolutions[axis] = match (kept, spacing) {
+                (Some(_), _) if is_ome => kept,
                 (Some((n, d)), Some(spacing)) if f64::from(d) / f64::from(n) == spacing => kept,
                 (_, Some(spacing)) => fraction(1.0 / spacing),
                 (kept, None) => kept,
