@@ -153,10 +153,16 @@ class Check:
         self.convert("all.tif", "one/s%02d.tif")
         same("one", np.stack([tifffile.imread(file) for file in sorted(pathlib.Path("one").iterdir())]), volume)
         # ImageJ's way beyond 4 GiB: one directory, and the samples of all pages behind it.
-        tifffile.imwrite("flat.tif", volume, imagej=True)
+        tifffile.imwrite("flat.tif", volume, imagej=True, metadata={"axes": "ZYX"})
         with tifffile.TiffFile("flat.tif") as file:
-            if len(file.pages) != 1:
-                print("flat.tif has a directory for each page")
+            page = file.pages[0]
+            end = page.offset + 2 + 12 * len(page.tags)
+            starts = [page.dataoffsets[0] for page in file.pages]
+        if starts != [starts[0] + z * volume[0].nbytes for z in range(len(volume))]:
+            raise SystemExit(f"flat.tif: pages at {starts} do not follow each other")
+        with open("flat.tif", "r+b") as file:
+            file.seek(end)
+            file.write(bytes(4))
         self.convert("flat.tif", "flat.npy")
         same("flat.tif", np.load("flat.npy"), volume)
 

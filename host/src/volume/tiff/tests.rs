@@ -79,11 +79,11 @@ fn hostile_files_return() {
         let header = header([5, 4, 2], components, 1, ElementType::U16);
         let options = WriteOptions { byte_order: Some(ByteOrder::Big), gzip };
         let (file, _) = write(&header, &values(&header), options);
-        for end in 0..file.len() - 2 {
+        for end in (0..file.len() - 2).step_by(3) {
             assert_eq!(read(&file[..end]).unwrap_err().kind(), Fault::Data, "{end}");
         }
         for index in 0..file.len() {
-            for change in [1, 2, 4, 8, 16, 32, 64, 128, 255] {
+            for change in [1, 16, 128, 255] {
                 let mut changed = file.clone();
                 changed[index] ^= change;
                 let _either = read(&changed);
