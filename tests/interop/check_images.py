@@ -8,8 +8,11 @@ import pathlib
 import subprocess
 
 import numpy as np
+import pydicom
 import tifffile
 from PIL import Image, PngImagePlugin
+from pydicom.data import get_testdata_file
+from pydicom.uid import ExplicitVRBigEndian, ExplicitVRLittleEndian, ImplicitVRLittleEndian, RLELossless
 
 
 def arguments():
@@ -166,6 +169,75 @@ class Check:
         self.convert("flat.tif", "flat.npy")
         same("flat.tif", np.load("flat.npy"), volume)
 
+    def dicom_files(self):
+        """Files that come with pydicom: both byte orders, implicit and explicit, run lengths, colours, frames."""
+        names = """CT_small.dcm MR_small.dcm MR_small_implicit.dcm MR_small_bigendian.dcm MR_small_RLE.dcm
+            SC_rgb_rle.dcm SC_rgb_rle_16bit.dcm SC_rgb_rle_2frame.dcm SC_rgb_rle_32bit.dcm emri_small.dcm
+            emri_small_RLE.dcm emri_small_big_endian.dcm rtdose.dcm rtdose_rle.dcm SC_rgb.dcm SC_rgb_16bit.dcm
+            SC_rgb_expb.dcm SC_rgb_expb_2frame.dcm SC_rgb_32bit_2frame.dcm liver_nonbyte_aligned.dcm""".split()
+        found = 0
+        for name in names:
+            path = get_testdata_file(name, download=False)
+            if path is None or pydicom.dcmread(path).get("BitsAllocated") == 1:
+                continue
+            found += 1
+            expected = np.squeeze(pydicom.dcmread(path).pixel_array)
+            self.convert(path, "d.tif")
+            values = tifffile.imread("d.tif")
+            if values.ndim == expected.ndim and values.shape != expected.shape and values.shape[-3] == 3:
+                values = np.moveaxis(values, -3, -1)
+            same(name, np.squeeze(values), expected)
+        if found < 10:
+            raise SystemExit(f"only {found} of pydicom's files are there")
+        jpeg = get_testdata_file("JPEG2000.dcm", download=False)
+        if jpeg:
+            self.refuse(jpeg, "j.nrrd", "JPEG 2000")
+
+    def dicom_series(self):
+        """A folder, sorted by position, in every syntax; several series; a slice that is missing."""
+        random = np.random.default_rng(5)
+        volume = random.integers(-900, 2000, (9, 12, 10)).astype(np.int16)
+        template = pydicom.dcmread(get_testdata_file("CT_small.dcm", download=False))
+        template.ImageOrientationPatient = [0.6, 0.8, 0, 0, 0, -1]
+        template.PixelSpacing = [0.75, 0.5]
+        normal = np.cross([0.6, 0.8, 0], [0, 0, -1])
+        template.Rows, template.Columns = volume.shape[1:]
+        for syntax in [ImplicitVRLittleEndian, ExplicitVRLittleEndian, ExplicitVRBigEndian, RLELossless]:
+            folder = pathlib.Path(f"series{syntax[17:]}")
+            folder.mkdir()
+            for z in random.permutation(len(volume)):
+                slice_ = pydicom.Dataset()
+                slice_.update(template)
+                slice_.file_meta = pydicom.dataset.FileMetaDataset()
+                slice_.file_meta.MediaStorageSOPClassUID = template.SOPClassUID
+                slice_.InstanceNumber = str(99 - z)
+                slice_.ImagePositionPatient = [f"{value:.6f}" for value in 10 + normal * 2.5 * z]
+                slice_.RescaleIntercept = "-1024"
+                slice_.SOPInstanceUID = slice_.file_meta.MediaStorageSOPInstanceUID = f"1.2.3.{z + 1}"
+                is_big = syntax == ExplicitVRBigEndian
+                slice_.add_new("PixelData", "OW", volume[z].astype(">i2" if is_big else "<i2").tobytes())
+                slice_.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian if syntax == RLELossless else syntax
+                if syntax == RLELossless:
+                    slice_.compress(RLELossless, generate_instance_uid=False)
+                name = folder / f"{random.integers(1 << 60):x}"
+                pydicom.dcmwrite(name, slice_, enforce_file_format=True)
+            self.convert(folder, "s.npy")
+            same(folder, np.load("s.npy"), volume)
+        self.convert(folder, "s.nrrd")
+        text = pathlib.Path("s.nrrd").read_bytes()
+        for line in [b"space: left-posterior-superior", b"(0.3,0.4,0) (0,0,-0.75) (", b"space origin: (10,10,10)", b"0028,1052:=-1024"]:
+            if line not in text:
+                raise SystemExit(f"{line} is not in the header {text[:900]}")
+        self.convert(folder / template.SeriesInstanceUID, "uid.npy")
+        same("by series", np.load("uid.npy"), volume)
+        other = pydicom.dcmread(name)
+        other.SeriesInstanceUID = "1.2.3.4"
+        other.save_as(folder / "other.dcm")
+        self.refuse(folder, "no.npy", "1.2.3.4: 1 files")
+        (folder / "other.dcm").unlink()
+        sorted(folder.iterdir(), key=lambda file: np.dot(normal, pydicom.dcmread(file).ImagePositionPatient))[4].unlink()
+        self.refuse(folder, "no.npy", "a slice is missing")
+
 
 def main():
     given = arguments()
@@ -177,6 +249,8 @@ def main():
     check.tiff_types()
     check.hyperstacks()
     check.tiff_slices(random.integers(0, 65536, (11, 6, 7), dtype=np.uint16))
+    check.dicom_files()
+    check.dicom_series()
     print(f"images: {check.count} conversions right")
 
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::input::Input;
-use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, npy, nrrd, png, pnm, tiff};
+use super::{Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, npy, nrrd, png, pnm, tiff};
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,7 +75,7 @@ pub(super) trait Format: Sync {
 }
 
 /// Every format that has a name or first bytes to be known by.
-const FORMATS: [&dyn Format; 5] = [&nrrd::Nrrd, &npy::Npy, &tiff::Tiff, &png::Png, &pnm::Pnm];
+const FORMATS: [&dyn Format; 6] = [&nrrd::Nrrd, &npy::Npy, &tiff::Tiff, &png::Png, &pnm::Pnm, &dicom::Dicom];
 
 /// The format of a path.
 pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {

@@ -3,6 +3,7 @@
 //! Which format holds what, and what is lost on the way into another, is in `docs/files.md`.
 
 mod copy;
+mod dicom;
 mod element;
 mod error;
 mod extent;
@@ -27,6 +28,7 @@ mod tiff;
 use std::path::Path;
 
 pub use copy::{CopyError, copy};
+pub use dicom::DicomError;
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};

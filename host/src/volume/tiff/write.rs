@@ -115,6 +115,8 @@ impl Plan {
     fn of(header: &Header) -> Self {
         let metadata = &header.metadata;
         let description = metadata.key_value("tiff.ImageDescription").unwrap_or_default();
+        // tifffile's description is that of a shape, which is made anew.
+        let description = if description.starts_with("{\"shape\"") { "" } else { description };
         let is_color = matches!(header.components, 3 | 4)
             && matches!(header.element, ElementType::U8 | ElementType::U16)
             && line(description, "channels").is_none();
@@ -293,7 +295,7 @@ fn fraction(value: f64) -> Option<(u32, u32)> {
             break;
         }
         let next = (whole as u64 * now.0 + before.0, whole as u64 * now.1 + before.1);
-        if next.0 > u32::MAX.into() || next.1 > u32::MAX.into() {
+        if next.0.max(next.1) > u64::from(u32::MAX) {
             break;
         }
         (before, now) = (now, next);
