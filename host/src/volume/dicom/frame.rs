@@ -127,7 +127,7 @@ impl Layout {
             Pixels::Native { start, .. } => {
                 let at = start + frame * self.bytes();
                 // Words of two bytes may begin in the frame before.
-                let odd = if self.is_swapped { at - start & 1 } else { 0 };
+                let odd = if self.is_swapped { (at - start) & 1 } else { 0 };
                 input.seek(at - odd).map_err(|_| damaged())?;
                 let mut stored = vec![0; out.len() + odd as usize];
                 input.read_exact(&mut stored).map_err(|_| damaged())?;

@@ -174,7 +174,7 @@ impl Series {
         let distances = self.distances();
         let mut sorted = distances.clone();
         sorted.sort_by(f64::total_cmp);
-        let Some(&usual) = sorted.get(sorted.len() / 2) else { return Ok(()) };
+        let Some(&usual) = sorted.get(sorted.len().saturating_sub(1) / 2) else { return Ok(()) };
         match distances.iter().position(|distance| *distance > usual * 1.5 || *distance < usual * 0.5) {
             Some(at) => Err(DicomError::Gap {
                 before: self.name(at),

@@ -60,7 +60,7 @@ pub(super) fn read(input: &mut Input, has_palette: bool) -> Result<Vec<HeaderLin
         }
         if is_kept {
             kept = kept.saturating_add(bytes);
-            if kept > KEPT_BYTES || input.left().is_some_and(|left| left < bytes.into()) {
+            if kept > KEPT_BYTES || input.left().is_some_and(|left| left < u64::from(bytes)) {
                 let name = String::from_utf8_lossy(&name).into_owned();
                 return Err(fault(input.path(), PngError::Chunk { name, bytes }));
             }
