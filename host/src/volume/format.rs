@@ -8,7 +8,8 @@ use super::input::Input;
 #[cfg(feature = "zarr")]
 use super::zarr;
 use super::{
-    Created, Header, ReadError, Source, WriteError, WriteOptions, metaimage, nifti, npy, nrrd, png, pnm, vtk,
+    Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, metaimage, nifti, npy, nrrd, png,
+    pnm, tiff, vtk,
 };
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
@@ -102,14 +103,16 @@ pub(super) trait Format: Sync {
 const FORMATS: &[&dyn Format] = &[
     &nrrd::Nrrd,
     &npy::Npy,
+    &metaimage::MetaImage,
     &nifti::Nifti,
+    &tiff::Tiff,
+    &png::Png,
     &pnm::Pnm,
+    &dicom::Dicom,
     &vtk::VtkLegacy,
     &vtk::VtkXml,
     #[cfg(feature = "zarr")]
     &zarr::Zarr,
-    &metaimage::MetaImage,
-    &png::Png,
 ];
 
 /// The format of a path.

@@ -4,6 +4,7 @@
 
 mod axis;
 mod copy;
+mod dicom;
 mod element;
 mod entries;
 mod error;
@@ -18,6 +19,7 @@ mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
+mod packbits;
 mod planes;
 mod png;
 mod pnm;
@@ -29,6 +31,7 @@ mod spool;
 mod stored;
 mod stream;
 pub mod synthetic;
+mod tiff;
 mod vtk;
 #[cfg(feature = "zarr")]
 mod zarr;
@@ -37,6 +40,7 @@ use std::path::Path;
 
 pub use axis::Axis;
 pub use copy::{CopyError, copy};
+pub use dicom::DicomError;
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
@@ -56,6 +60,7 @@ pub use sample::Sample;
 use serde::{Deserialize, Serialize};
 pub use slices::SlicesError;
 pub use stream::{Created, InMemory, Sink, Source, create, open, open_known};
+pub use tiff::TiffError;
 pub use vtk::VtkError;
 #[cfg(feature = "zarr")]
 pub use zarr::ZarrError;

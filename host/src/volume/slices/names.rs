@@ -63,6 +63,22 @@ impl Pattern {
         }
     }
 
+    /// Every file of a folder.
+    pub(in crate::volume) fn any_in(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), before: String::new(), place: Place::Any, after: String::new() }
+    }
+
+    /// The files of such names that are there, in the order of their names, whatever is missing.
+    ///
+    /// # Errors
+    /// [`ReadError::Io`]: the folder cannot be read.
+    pub(in crate::volume) fn all(&self, path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+        let mut names = names_in(&self.folder, path)?;
+        names.retain(|name| self.matches(name) && (!name.starts_with('.') || self.before.starts_with('.')));
+        names.sort();
+        Ok(paths(&self.folder, names))
+    }
+
     /// How many files of such names are there, and one of them.
     pub(super) fn found(&self) -> Option<(usize, PathBuf)> {
         let names = names_in(&self.folder, &self.folder).ok()?;

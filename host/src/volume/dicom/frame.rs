@@ -1,0 +1,208 @@
+//! Frames: how their pixels are stored, and the values that they stand for.
+
+use std::io::Read;
+
+use super::DicomError;
+use super::dataset::{DataSet, Pixels};
+use crate::volume::element::reorder;
+use crate::volume::input::Input;
+use crate::volume::packbits::unpack_bits;
+use crate::volume::{ByteOrder, ElementType};
+
+const SAMPLES: u32 = 0x0028_0002;
+const PLANAR: u32 = 0x0028_0006;
+const FRAMES: u32 = 0x0028_0008;
+const ROWS: u32 = 0x0028_0010;
+const COLUMNS: u32 = 0x0028_0011;
+const ALLOCATED: u32 = 0x0028_0100;
+const STORED: u32 = 0x0028_0101;
+const HIGH_BIT: u32 = 0x0028_0102;
+const SIGNED: u32 = 0x0028_0103;
+
+/// How the frames of a file are stored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub(super) columns: u16,
+    pub(super) rows: u16,
+    pub(super) samples: u16,
+    pub(super) frames: u64,
+    pub(super) element: ElementType,
+    /// Whether the values of a sample lie apart.
+    is_planar: bool,
+    /// Bits that count, and the highest of them.
+    stored: u32,
+    high_bit: u32,
+    pub(super) byte_order: ByteOrder,
+    /// Bytes that lie in words of the other order.
+    is_swapped: bool,
+    pixels: Pixels,
+}
+
+impl Layout {
+    pub(super) fn of(set: &DataSet) -> Result<Self, DicomError> {
+        let number =
+            |tag, what| set.number(tag).filter(|number| *number > 0).ok_or(DicomError::Damaged { what });
+        let [columns, rows] =
+            [number(COLUMNS, "the number of columns")?, number(ROWS, "the number of rows")?];
+        let samples = set.number(SAMPLES).unwrap_or(1);
+        let frames = set.text(FRAMES).map_or(Some(1), |text| text.parse().ok()).filter(|frames| *frames > 0);
+        let frames: u64 = frames.ok_or(DicomError::Damaged { what: "the number of frames" })?;
+        if !matches!(samples, 1 | 3 | 4) {
+            return Err(DicomError::Pixels { what: format!("{samples} values a sample") });
+        }
+        let allocated = u32::from(number(ALLOCATED, "the number of bits")?);
+        let is_signed = set.number(SIGNED) == Some(1);
+        let float_bits = match set.pixels {
+            Pixels::Native { float_bits, .. } => float_bits,
+            Pixels::Frames(_) => 0,
+        };
+        let element = match (float_bits, allocated, is_signed) {
+            (32, 32, _) => ElementType::F32,
+            (64, 64, _) => ElementType::F64,
+            (0, 8, false) => ElementType::U8,
+            (0, 8, true) => ElementType::I8,
+            (0, 16, false) => ElementType::U16,
+            (0, 16, true) => ElementType::I16,
+            (0, 32, false) => ElementType::U32,
+            (0, 32, true) => ElementType::I32,
+            _ => return Err(DicomError::Pixels { what: format!("{allocated} bits") }),
+        };
+        let stored = set.number(STORED).map_or(allocated, u32::from);
+        let high_bit = set.number(HIGH_BIT).map_or(stored.wrapping_sub(1), u32::from);
+        if float_bits == 0 && (stored == 0 || stored > high_bit + 1 || high_bit >= allocated) {
+            return Err(DicomError::Damaged { what: "the number of bits" });
+        }
+        let [stored, high_bit] =
+            if float_bits == 0 { [stored, high_bit] } else { [allocated, allocated - 1] };
+        let byte_order = set.syntax.byte_order;
+        let is_words = matches!(set.pixels, Pixels::Native { vr, .. } if &vr == b"OW");
+        let layout = Self {
+            columns,
+            rows,
+            samples,
+            frames,
+            element,
+            is_planar: samples > 1 && set.number(PLANAR) == Some(1),
+            stored,
+            high_bit,
+            byte_order,
+            is_swapped: byte_order == ByteOrder::Big && allocated == 8 && is_words,
+            pixels: set.pixels.clone(),
+        };
+        layout.check(set)?;
+        Ok(layout)
+    }
+
+    /// Bytes of a frame.
+    fn bytes(&self) -> u64 {
+        u64::from(self.columns) * u64::from(self.rows) * u64::from(self.samples) * self.element.bytes() as u64
+    }
+
+    /// Whether pixels are as many as frames need, as far as lengths tell.
+    fn check(&self, set: &DataSet) -> Result<(), DicomError> {
+        let expected = self.bytes().saturating_mul(self.frames);
+        match &self.pixels {
+            // A byte may follow to make the length even.
+            Pixels::Native { bytes, .. } if *bytes < expected || *bytes > expected.saturating_add(1) => {
+                Err(DicomError::PixelBytes { found: *bytes, expected })
+            }
+            Pixels::Native { .. } if !set.syntax.is_rle => Ok(()),
+            Pixels::Frames(frames) if set.syntax.is_rle => match frames.len() as u64 == self.frames {
+                true => Ok(()),
+                false => Err(DicomError::PixelBytes { found: frames.len() as u64, expected: self.frames }),
+            },
+            _ => Err(DicomError::Damaged { what: "the transfer syntax" }),
+        }
+    }
+
+    /// What two files of a volume have to have in common, in words.
+    pub(super) fn shape(&self) -> String {
+        format!("{}x{} {} of {} components", self.columns, self.rows, self.element, self.samples)
+    }
+
+    /// Fills `out` with a frame.
+    pub(super) fn read(&self, input: &mut Input, frame: u64, out: &mut [u8]) -> Result<(), DicomError> {
+        let damaged = || DicomError::Damaged { what: "a frame" };
+        match &self.pixels {
+            Pixels::Native { start, .. } => {
+                let at = start + frame * self.bytes();
+                // Words of two bytes may begin in the frame before.
+                let odd = if self.is_swapped { (at - start) & 1 } else { 0 };
+                input.seek(at - odd).map_err(|_| damaged())?;
+                let mut stored = vec![0; out.len() + odd as usize];
+                input.read_exact(&mut stored).map_err(|_| damaged())?;
+                if self.is_swapped {
+                    if stored.len() % 2 == 1 {
+                        let mut last = [0];
+                        let _end_of_file = input.read(&mut last).map_err(|_| damaged())?;
+                        stored.push(last[0]);
+                    }
+                    stored.as_chunks_mut::<2>().0.iter_mut().for_each(|word| word.reverse());
+                }
+                out.copy_from_slice(&stored[odd as usize..][..out.len()]);
+                reorder(out, self.element, self.byte_order);
+                if self.is_planar {
+                    self.put_together(out);
+                }
+            }
+            Pixels::Frames(frames) => {
+                let (start, bytes) = *frames.get(frame as usize).ok_or_else(damaged)?;
+                input.seek(start).map_err(|_| damaged())?;
+                let mut stored = Vec::new();
+                input.take(bytes).read_to_end(&mut stored).map_err(|_| damaged())?;
+                self.unpack(&stored, out).ok_or_else(damaged)?;
+            }
+        }
+        self.clear(out);
+        Ok(())
+    }
+
+    /// Values of a sample that lie apart, side by side.
+    fn put_together(&self, out: &mut [u8]) {
+        let (bytes, samples) = (self.element.bytes(), usize::from(self.samples));
+        let apart = out.to_vec();
+        for (plane, values) in apart.chunks(apart.len() / samples).enumerate() {
+            for (sample, value) in out.chunks_mut(bytes * samples).zip(values.chunks(bytes)) {
+                sample[plane * bytes..][..bytes].copy_from_slice(value);
+            }
+        }
+    }
+
+    /// A frame of run lengths: a segment for each byte of a value, the most significant one first.
+    fn unpack(&self, stored: &[u8], out: &mut [u8]) -> Option<()> {
+        let (head, _) = stored.split_first_chunk::<64>()?;
+        let numbers = head.as_chunks::<4>().0;
+        let bytes = self.element.bytes();
+        let sample = bytes * usize::from(self.samples);
+        if u32::from_le_bytes(numbers[0]) as usize != sample {
+            return None;
+        }
+        for segment in 0..sample {
+            let start = u32::from_le_bytes(*numbers.get(segment + 1)?) as usize;
+            let plane = unpack_bits(stored.get(start..)?, out.len() / sample)?;
+            let at = segment / bytes * bytes + (bytes - 1 - segment % bytes);
+            out.chunks_mut(sample).zip(plane).for_each(|(value, byte)| value[at] = byte);
+        }
+        Some(())
+    }
+
+    /// Leaves of each value the bits that count, which other bits may share a word with.
+    fn clear(&self, out: &mut [u8]) {
+        let bytes = self.element.bytes();
+        let bits = bytes as u32 * 8;
+        if self.stored == bits || self.element.is_float() {
+            return;
+        }
+        for value in out.chunks_mut(bytes) {
+            let word = value.iter().rev().fold(0, |word: u64, byte| word << 8 | u64::from(*byte));
+            let top = word << (63 - self.high_bit);
+            let right = 64 - self.stored;
+            let number = if self.element.is_signed_integer() {
+                (top.cast_signed() >> right).cast_unsigned()
+            } else {
+                top >> right
+            };
+            value.copy_from_slice(&number.to_le_bytes()[..bytes]);
+        }
+    }
+}

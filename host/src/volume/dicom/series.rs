@@ -1,0 +1,344 @@
+//! Files as one volume: which belong together, in what order, and where they are in space.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::dataset::{DataSet, Tag, Value, decimals, text};
+use super::frame::Layout;
+use super::{DicomError, POSITION};
+use crate::volume::error::excerpt;
+use crate::volume::{ByteOrder, FileFormat, Header, HeaderLine, Metadata};
+
+const SERIES: Tag = 0x0020_000E;
+const MODALITY: Tag = 0x0008_0060;
+const DESCRIPTION: Tag = 0x0008_103E;
+const INSTANCE: Tag = 0x0020_0013;
+const ORIENTATION: Tag = 0x0020_0037;
+const PIXEL_SPACING: Tag = 0x0028_0030;
+const THICKNESS: Tag = 0x0018_0050;
+const SLICE_SPACING: Tag = 0x0018_0088;
+/// Intercept and slope: a value for each file where they differ.
+const RESCALE: [Tag; 2] = [0x0028_1052, 0x0028_1053];
+
+/// Group of what the extent, type and order of samples say already.
+const MADE: [Tag; 12] = [
+    0x0028_0002,
+    0x0028_0006,
+    0x0028_0008,
+    0x0028_0010,
+    0x0028_0011,
+    0x0028_0100,
+    0x0028_0101,
+    0x0028_0102,
+    0x0028_0103,
+    POSITION,
+    ORIENTATION,
+    PIXEL_SPACING,
+];
+
+type Files = Vec<(PathBuf, DataSet)>;
+
+/// Those files that are of one series: the one that is named, or the only one.
+pub(super) fn one_of(sets: Files, uid: Option<&str>) -> Result<Files, DicomError> {
+    let mut series: BTreeMap<String, Files> = BTreeMap::new();
+    for (path, set) in sets {
+        series.entry(set.text(SERIES).unwrap_or_default()).or_default().push((path, set));
+    }
+    if let Some(uid) = uid {
+        return series.remove(uid).ok_or(DicomError::NoFiles);
+    }
+    if series.len() > 1 {
+        let lines = series.iter().map(|(uid, files)| {
+            let about = [MODALITY, DESCRIPTION].map(|tag| files[0].1.text(tag).unwrap_or_default());
+            format!("\n  {uid}: {} files, {}", files.len(), excerpt(&about.join(" ")))
+        });
+        return Err(DicomError::SeveralSeries { list: lines.collect() });
+    }
+    series.into_values().next().ok_or(DicomError::NoFiles)
+}
+
+/// A file in its place.
+struct Part {
+    path: PathBuf,
+    set: DataSet,
+    layout: Layout,
+    /// Where it is along the normal of slices, if it is known.
+    at: Option<f64>,
+    number: i64,
+}
+
+/// Files or frames as slices of a volume.
+pub(super) struct Series {
+    parts: Vec<Part>,
+    slices: u64,
+    steps: u64,
+    /// Directions of x and y, and their product.
+    axes: Option<[[f64; 3]; 3]>,
+}
+
+impl Series {
+    /// Puts files in order: along the normal of slices, then by number.
+    pub(super) fn of(sets: Files) -> Result<Self, DicomError> {
+        let axes = sets.first().and_then(|(_, set)| axes(set));
+        let mut parts = Vec::new();
+        for (path, set) in sets {
+            let layout = Layout::of(&set)?;
+            let at = axes.zip(position(&set, 0)).map(|([_, _, normal], place)| dot(normal, place));
+            let number = set.text(INSTANCE).and_then(|text| text.parse().ok()).unwrap_or(0);
+            parts.push(Part { path, set, layout, at, number });
+        }
+        let is_placed = parts.iter().all(|part| part.at.is_some());
+        parts.sort_by(|one, other| {
+            let along = if is_placed { one.at.partial_cmp(&other.at) } else { None };
+            along
+                .unwrap_or(std::cmp::Ordering::Equal)
+                .then(one.number.cmp(&other.number))
+                .then(one.path.cmp(&other.path))
+        });
+        let mut series = Self { slices: parts.len() as u64, steps: 1, parts, axes };
+        series.check_alike()?;
+        if series.parts.len() == 1 {
+            series.slices = series.parts[0].layout.frames;
+        } else if is_placed {
+            series.find_steps();
+            series.check_gaps()?;
+        }
+        Ok(series)
+    }
+
+    fn name(&self, index: usize) -> String {
+        self.parts[index].path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    fn check_alike(&self) -> Result<(), DicomError> {
+        let shape = |part: &Part| match self.parts.len() > 1 && part.layout.frames > 1 {
+            true => format!("{} in {} frames", part.layout.shape(), part.layout.frames),
+            false => part.layout.shape(),
+        };
+        let turned = |part: &Part| part.set.text(ORIENTATION).unwrap_or_default();
+        let first = &self.parts[0];
+        for (index, part) in self.parts.iter().enumerate() {
+            let differs = |found: String, expected: String| DicomError::Differs {
+                file: self.name(index),
+                found,
+                first: self.name(0),
+                expected,
+            };
+            if self.parts.len() > 1 && part.layout.frames > 1 {
+                return Err(differs(
+                    shape(part),
+                    "to be alone: give one file of many frames at a time".to_owned(),
+                ));
+            }
+            if shape(part) != shape(first) {
+                return Err(differs(shape(part), shape(first)));
+            }
+            let is_turned = decimals_of(&turned(part)).zip(decimals_of(&turned(first)));
+            if is_turned.is_some_and(|(one, other)| {
+                one.iter().zip(&other).any(|(one, other)| (one - other).abs() > 1e-3)
+            }) {
+                return Err(differs(format!("orientation {}", turned(part)), turned(first)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Time steps: where each place has the same number of files, which are in order of their numbers.
+    fn find_steps(&mut self) {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (index, part) in self.parts.iter().enumerate() {
+            match groups.last_mut() {
+                Some(group) if is_near(self.parts[group[0]].at, part.at) => group.push(index),
+                _ => groups.push(vec![index]),
+            }
+        }
+        let steps = groups[0].len();
+        if steps == 1 || groups.iter().any(|group| group.len() != steps) {
+            return;
+        }
+        let mut order: Vec<usize> = (0..self.parts.len()).collect();
+        order.sort_by_key(|index| (index % steps, index / steps));
+        let mut parts: Vec<Option<Part>> = std::mem::take(&mut self.parts).into_iter().map(Some).collect();
+        self.parts = order.into_iter().filter_map(|index| parts[index].take()).collect();
+        self.slices = groups.len() as u64;
+        self.steps = steps as u64;
+    }
+
+    /// Distances of slices of the first time step.
+    fn distances(&self) -> Vec<f64> {
+        let places: Vec<f64> = self.parts[..self.slices as usize].iter().filter_map(|part| part.at).collect();
+        places.windows(2).map(|pair| pair[1] - pair[0]).collect()
+    }
+
+    fn check_gaps(&self) -> Result<(), DicomError> {
+        let distances = self.distances();
+        let mut sorted = distances.clone();
+        sorted.sort_by(f64::total_cmp);
+        let Some(&usual) = sorted.get(sorted.len().saturating_sub(1) / 2) else { return Ok(()) };
+        match distances.iter().position(|distance| *distance > usual * 1.5 || *distance < usual * 0.5) {
+            Some(at) => Err(DicomError::Gap {
+                before: self.name(at),
+                after: self.name(at + 1),
+                found: format!("{:.4}", distances[at]),
+                usual: format!("{usual:.4}"),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The file of plane `index`, and the frame in it.
+    pub(super) fn place(&self, index: u64) -> (usize, u64) {
+        if self.parts.len() == 1 { (0, index) } else { (index as usize, 0) }
+    }
+
+    pub(super) fn path(&self, file: usize) -> &Path {
+        &self.parts[file].path
+    }
+
+    pub(super) fn layout(&self, file: usize) -> &Layout {
+        &self.parts[file].layout
+    }
+
+    pub(super) fn header(&self) -> Header {
+        let Part { layout, set, .. } = &self.parts[0];
+        let is_slice = self.slices == 1 && self.steps == 1;
+        let mut metadata = Metadata::plain(if is_slice { 2 } else { 3 }, FileFormat::Dicom);
+        metadata.source.byte_order =
+            if layout.element.bytes() > 1 { layout.byte_order } else { ByteOrder::Little };
+        metadata.lines = self.geometry();
+        metadata.lines.extend(set.elements.iter().filter_map(|(tag, value)| self.line(*tag, value)));
+        for tag in RESCALE {
+            let shared = set.shared.get(&tag).filter(|_| !set.elements.contains_key(&tag));
+            metadata.lines.extend(shared.map(|value| pair(tag, text(&value.bytes))));
+        }
+        let extent = [layout.columns.into(), layout.rows.into(), self.slices];
+        Header {
+            components: layout.samples.into(),
+            steps: self.steps,
+            ..Header::scalar(extent, layout.element, metadata)
+        }
+    }
+
+    /// Places and directions, in millimetres; left, posterior, superior.
+    fn geometry(&self) -> Vec<HeaderLine> {
+        let set = &self.parts[0].set;
+        let field = |name: &str, value: String| HeaderLine::Field { name: name.to_owned(), value };
+        let spacing = set.decimals(PIXEL_SPACING).filter(|spacing| spacing.len() == 2);
+        let Some((spacing, [x, y, normal])) = spacing.clone().zip(self.axes) else {
+            let spacings =
+                spacing.map(|spacing| field("spacings", format!("{} {} nan", spacing[1], spacing[0])));
+            return spacings.into_iter().collect();
+        };
+        let last = (self.slices - 1) as usize;
+        let [first, end] = match self.parts.len() {
+            1 => [position(set, 0), position(set, last)],
+            _ => [position(set, 0), position(&self.parts[last].set, 0)],
+        };
+        let step = first
+            .zip(end)
+            .filter(|_| last > 0)
+            .map(|(first, end)| [0, 1, 2].map(|axis| (end[axis] - first[axis]) / last as f64));
+        let step = step.filter(|step| step.iter().any(|part| *part != 0.0)).unwrap_or_else(|| {
+            let told =
+                [SLICE_SPACING, THICKNESS].into_iter().find_map(|tag| Some(*set.decimals(tag)?.first()?));
+            normal.map(|part| part * told.filter(|distance| *distance > 0.0).unwrap_or(1.0))
+        });
+        let vector = |parts: [f64; 3]| format!("({},{},{})", parts[0], parts[1], parts[2]);
+        let directions = [x.map(|part| part * spacing[1]), y.map(|part| part * spacing[0]), step].map(vector);
+        let mut lines = vec![
+            field("space", "left-posterior-superior".to_owned()),
+            field("space directions", directions.join(" ")),
+            field("space units", "\"mm\" \"mm\" \"mm\"".to_owned()),
+        ];
+        lines.extend(first.map(|place| field("space origin", vector(place))));
+        lines
+    }
+
+    /// The line for an element that all files have in common, or that tells how to rescale each.
+    fn line(&self, tag: Tag, value: &Value) -> Option<HeaderLine> {
+        if tag >> 16 == 2 || MADE.contains(&tag) || tag & 0xFFFF == 0 {
+            return None;
+        }
+        let of_all = || self.parts.iter().map(|part| part.set.elements.get(&tag));
+        let words = words(value, self.parts[0].set.syntax.byte_order)?;
+        if of_all().all(|other| other == Some(value)) {
+            return Some(pair(tag, words));
+        }
+        let each = || {
+            of_all()
+                .map(|other| other.map(|value| text(&value.bytes)).unwrap_or_default())
+                .collect::<Vec<_>>()
+        };
+        RESCALE.contains(&tag).then(|| pair(tag, each().join(";")))
+    }
+}
+
+fn pair(tag: Tag, value: String) -> HeaderLine {
+    HeaderLine::KeyValue { key: format!("dicom.{:04x},{:04x}", tag >> 16, tag & 0xFFFF), value }
+}
+
+/// A value that is a text or numbers; others say nothing to people.
+fn words(value: &Value, order: ByteOrder) -> Option<String> {
+    let numbers = |bytes: usize, is_signed: bool| {
+        let parts = value.bytes.chunks_exact(bytes).map(|part| {
+            let fold = |number: u32, byte: &u8| number << 8 | u32::from(*byte);
+            let number = match order {
+                ByteOrder::Little => part.iter().rev().fold(0, fold),
+                ByteOrder::Big => part.iter().fold(0, fold),
+            };
+            match (is_signed, bytes) {
+                (true, 2) => (number as u16).cast_signed().to_string(),
+                (true, _) => number.cast_signed().to_string(),
+                _ => number.to_string(),
+            }
+        });
+        parts.collect::<Vec<_>>().join("\\")
+    };
+    Some(match &value.vr {
+        b"US" => numbers(2, false),
+        b"SS" => numbers(2, true),
+        b"UL" => numbers(4, false),
+        b"SL" => numbers(4, true),
+        b"OB" | b"OW" | b"OF" | b"OD" | b"OL" | b"OV" | b"UN" | b"AT" | b"FL" | b"FD" | b"SV" | b"UV" => {
+            return None;
+        }
+        _ => {
+            let words = text(&value.bytes);
+            // Without a representation, numbers of two bytes look like texts with odd letters.
+            let is_text =
+                words.chars().all(|letter| !letter.is_control() || letter == '\n' || letter == '\r');
+            return is_text.then_some(words);
+        }
+    })
+}
+
+fn decimals_of(words: &str) -> Option<Vec<f64>> {
+    decimals(&Value { vr: *b"DS", bytes: words.as_bytes().to_vec() })
+}
+
+/// Directions of x and y, and the normal.
+fn axes(set: &DataSet) -> Option<[[f64; 3]; 3]> {
+    let cosines = set.decimals(ORIENTATION)?;
+    let (&[x, y], []) = cosines.as_chunks::<3>() else { return None };
+    let normal =
+        [0, 1, 2].map(|axis| x[(axis + 1) % 3] * y[(axis + 2) % 3] - x[(axis + 2) % 3] * y[(axis + 1) % 3]);
+    Some([x, y, normal])
+}
+
+/// Where a frame begins.
+fn position(set: &DataSet, frame: usize) -> Option<[f64; 3]> {
+    let numbers = match set.elements.get(&POSITION) {
+        Some(value) if frame == 0 => decimals(value),
+        _ => decimals(set.positions.get(frame)?),
+    };
+    numbers?.try_into().ok()
+}
+
+fn dot(one: [f64; 3], other: [f64; 3]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one * other).sum()
+}
+
+/// Whether two places are the same, but for rounding in their decimals.
+fn is_near(one: Option<f64>, other: Option<f64>) -> bool {
+    one.zip(other).is_some_and(|(one, other)| (one - other).abs() < 1e-3)
+}
