@@ -13,6 +13,9 @@ use crate::shell::{Failures, cargo, cargo_program, output};
 /// The package, a workspace of its own.
 const PACKAGE: &str = "tests/fuzz";
 
+/// Its manifest.
+pub(crate) const WORKSPACE: &str = "tests/fuzz/Cargo.toml";
+
 /// Where new inputs and those that fail are kept; git does not see it.
 const FOUND: &str = "tests/fuzz/target/found";
 

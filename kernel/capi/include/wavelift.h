@@ -350,6 +350,55 @@ wavelift_error wavelift_row_decoder_begin(wavelift_row_decoder *decoder, wavelif
 wavelift_error wavelift_row_decoder_step(wavelift_row_decoder *decoder, const uint8_t *bytes, size_t bytes_len,
                                          int32_t *samples, size_t samples_len, wavelift_step *step);
 
+/*
+ * Streams of slabs
+ *
+ * A volume whose slices come one after another, their number not known before: every few slices are a codestream of
+ * their own. A wavelift_plan says what a whole slab is; the last may have fewer slices. What is said of streams of rows
+ * holds here too, with slices for rows. An encoder or decoder is lent samples and scratch of at least
+ * wavelift_samples_len and wavelift_scratch_len elements, and wavelift_max_encoded_len bytes, all until its last call.
+ */
+
+#define WAVELIFT_SLAB_ENCODER_WORDS 40
+#define WAVELIFT_SLAB_DECODER_WORDS 38
+
+/* An encoder at work: 320 bytes. */
+typedef struct wavelift_slab_encoder {
+    uint64_t opaque[WAVELIFT_SLAB_ENCODER_WORDS];
+} wavelift_slab_encoder;
+
+/* A decoder at work: 304 bytes. */
+typedef struct wavelift_slab_decoder {
+    uint64_t opaque[WAVELIFT_SLAB_DECODER_WORDS];
+} wavelift_slab_decoder;
+
+size_t wavelift_slab_encoder_size(void);
+size_t wavelift_slab_decoder_size(void);
+
+/* Begins to encode, without training. Faults: of the plan, of the lengths of what is lent, and of pointers. With an
+ * error nothing has begun, and what was begun in *encoder before has ended. */
+wavelift_error wavelift_slab_encoder_begin(wavelift_slab_encoder *encoder, wavelift_codec *codec,
+                                           const wavelift_plan *plan, const wavelift_lent *lent, uint8_t *bytes,
+                                           size_t bytes_len);
+
+/* As wavelift_row_encoder_step and wavelift_row_encoder_finish. */
+wavelift_error wavelift_slab_encoder_step(wavelift_slab_encoder *encoder, const int32_t *samples, size_t samples_len,
+                                          uint8_t *out, size_t out_len, wavelift_step *step);
+wavelift_error wavelift_slab_encoder_finish(wavelift_slab_encoder *encoder);
+
+/* As wavelift_row_header_parse. */
+wavelift_error wavelift_slab_header_parse(const uint8_t *bytes, size_t bytes_len, wavelift_plan *plan,
+                                          size_t *header_len);
+
+/* Begins to decode what follows the header. Faults as of wavelift_slab_encoder_begin. */
+wavelift_error wavelift_slab_decoder_begin(wavelift_slab_decoder *decoder, wavelift_codec *codec,
+                                           const wavelift_plan *plan, const wavelift_lent *lent, uint8_t *bytes,
+                                           size_t bytes_len);
+
+/* As wavelift_row_decoder_step. */
+wavelift_error wavelift_slab_decoder_step(wavelift_slab_decoder *decoder, const uint8_t *bytes, size_t bytes_len,
+                                          int32_t *samples, size_t samples_len, wavelift_step *step);
+
 #ifdef __cplusplus
 }
 #endif

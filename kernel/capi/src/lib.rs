@@ -30,6 +30,8 @@ mod lent;
 mod plan;
 #[cfg(feature = "rows")]
 mod rows;
+#[cfg(feature = "rows")]
+mod slabs;
 mod state;
 
 pub use decode::{wavelift_decode, wavelift_decode_dense, wavelift_decode_near};
@@ -52,14 +54,20 @@ pub use rows::{
     wavelift_row_encoder_finish, wavelift_row_encoder_memory_len, wavelift_row_encoder_step,
     wavelift_row_header_parse,
 };
+#[cfg(feature = "rows")]
+pub use slabs::{
+    wavelift_slab_decoder_begin, wavelift_slab_decoder_step, wavelift_slab_encoder_begin,
+    wavelift_slab_encoder_finish, wavelift_slab_encoder_step, wavelift_slab_header_parse,
+};
 pub use state::{
     WaveliftCodec, WaveliftDense, WaveliftLattice, WaveliftTraining, wavelift_codec_size,
     wavelift_dense_size, wavelift_lattice_size, wavelift_training_size,
 };
 #[cfg(feature = "rows")]
 pub use state::{
-    WaveliftRowCodec, WaveliftRowDecoder, WaveliftRowEncoder, wavelift_row_codec_size,
-    wavelift_row_decoder_size, wavelift_row_encoder_size,
+    WaveliftRowCodec, WaveliftRowDecoder, WaveliftRowEncoder, WaveliftSlabDecoder, WaveliftSlabEncoder,
+    wavelift_row_codec_size, wavelift_row_decoder_size, wavelift_row_encoder_size,
+    wavelift_slab_decoder_size, wavelift_slab_encoder_size,
 };
 
 /// Never called by the kernel; a program of Rust brings its own.

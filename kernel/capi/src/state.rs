@@ -3,7 +3,7 @@
 use core::mem::{MaybeUninit, zeroed};
 
 #[cfg(feature = "rows")]
-use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder};
+use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, SlabDecoder, SlabEncoder};
 use wavelift_kernel::{Codec, Dense, Lattice, Training};
 
 #[cfg(feature = "rows")]
@@ -110,6 +110,16 @@ session! {
     /// Memory of [`RowDecoder`]: `wavelift_row_decoder`.
     WaveliftRowDecoder(240) of RowDecoder<'static>, b"wRowsDec"
 }
+#[cfg(feature = "rows")]
+session! {
+    /// Memory of [`SlabEncoder`]: `wavelift_slab_encoder`.
+    WaveliftSlabEncoder(40) of SlabEncoder<'static>, b"wSlabEnc"
+}
+#[cfg(feature = "rows")]
+session! {
+    /// Memory of [`SlabDecoder`]: `wavelift_slab_decoder`.
+    WaveliftSlabDecoder(38) of SlabDecoder<'static>, b"wSlabDec"
+}
 
 /// Bytes of [`WaveliftCodec`], for callers that do not read the header.
 #[unsafe(no_mangle)]
@@ -154,4 +164,18 @@ pub extern "C" fn wavelift_row_encoder_size() -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn wavelift_row_decoder_size() -> usize {
     size_of::<WaveliftRowDecoder>()
+}
+
+/// Bytes of [`WaveliftSlabEncoder`].
+#[cfg(feature = "rows")]
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_slab_encoder_size() -> usize {
+    size_of::<WaveliftSlabEncoder>()
+}
+
+/// Bytes of [`WaveliftSlabDecoder`].
+#[cfg(feature = "rows")]
+#[unsafe(no_mangle)]
+pub extern "C" fn wavelift_slab_decoder_size() -> usize {
+    size_of::<WaveliftSlabDecoder>()
 }

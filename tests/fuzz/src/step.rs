@@ -23,7 +23,7 @@ pub fn check(bytes: &[u8]) {
     } else {
         let data = &mut Unstructured::new(bytes);
         // Too few bytes make no case.
-        let _ = if bytes.len() % 4 == 0 { leave_as_slabs(data) } else { leave_as_rows(data) };
+        let _ = if bytes.len().is_multiple_of(4) { leave_as_slabs(data) } else { leave_as_rows(data) };
     }
 }
 

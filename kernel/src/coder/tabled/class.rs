@@ -1,7 +1,7 @@
 //! How large a residual is expected to be: the class of the ranks around it.
 
 use super::MOST_SPAN_BITS;
-use super::neighbours::{Around, Kind, add_row, add_three};
+use super::neighbours::{Around, Kind, LOOPS_UNROLLED, add_row, add_three};
 use crate::extent::to_usize;
 
 /// Classes there are.
@@ -32,7 +32,7 @@ const PASSED: u8 = 8;
 
 /// The class of each place of a row, of ranks that may have classes above them.
 pub(super) fn classes(around: &Around<'_>, classes: &mut [i32]) {
-    if around.kind == Kind::Brick && cfg!(feature = "small") {
+    if around.kind == Kind::Brick && LOOPS_UNROLLED {
         return classes_of_brick(around, classes);
     }
     classes.fill(0);
@@ -73,7 +73,7 @@ fn classes_of_brick(around: &Around<'_>, classes: &mut [i32]) {
 #[inline(always)]
 fn class(energy: i32) -> i32 {
     let count = |count: i32, &least: &i32| count.wrapping_add(i32::from(energy >= least));
-    if !cfg!(feature = "small") {
+    if !LOOPS_UNROLLED {
         return LEAST.iter().fold(0, count);
     }
     match FIRST.get(to_usize(energy.cast_unsigned())) {

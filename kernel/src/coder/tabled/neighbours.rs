@@ -2,6 +2,9 @@
 
 use super::{BothWeights, Weights};
 
+/// Whether loops are written out for processors without vectors: in small builds, but not where code is sent.
+pub(super) const LOOPS_UNROLLED: bool = cfg!(all(feature = "small", not(target_arch = "wasm32")));
+
 /// What a row is predicted from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -88,7 +91,7 @@ pub(super) fn add_row<const N: usize>(sums: &mut [i32], row: &[i32], add: impl F
 #[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn add_three(sums: &mut [i32], row: &[i32], weights: [i32; 3]) {
     let add = three(weights);
-    if !cfg!(feature = "small") {
+    if !LOOPS_UNROLLED {
         return add_row(sums, row, add);
     }
     let Some((&first, rest)) = row.split_first() else { return };
