@@ -1,18 +1,13 @@
 //! Closest points for the nodes of all cells that triangles meet.
 
 use rayon::prelude::*;
+use wide::f32x8;
 
-use super::block::{Block, Layout, NONE, SEED};
+use super::lanes::{LANES, Triangles};
+use super::rows::{Rows, set};
 use super::surface::Surface;
 use crate::field::Grid;
 use crate::mesh::Point;
-
-/// A closest point, relative to the origin.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub(super) struct Site {
-    pub(super) triangle: u32,
-    pub(super) point: [f32; 3],
-}
 
 /// Nodes from the first to the last along each axis.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +16,9 @@ struct Nodes {
     last: [usize; 3],
 }
 
-/// Triangles by block.
+/// Triangles by slab.
 #[derive(Debug)]
-pub(super) struct Bins {
+struct Bins {
     starts: Vec<u32>,
     triangles: Vec<u32>,
 }
@@ -33,15 +28,52 @@ pub(super) struct Bins {
 pub(super) struct Seeding<'a> {
     pub(super) surface: &'a Surface<'a>,
     pub(super) grid: &'a Grid,
-    pub(super) layout: &'a Layout,
+    /// Planes of nodes in a slab.
+    pub(super) slab: usize,
     /// How far beyond a triangle, in cells, cells are taken to be met by it.
     pub(super) margin: f64,
 }
 
+/// A slab at work: rows along y, x after x, z after z.
+struct Slab<'a> {
+    rows: &'a mut [f32],
+    /// Squared distance to the nearest point so far.
+    squared: Vec<f32>,
+    /// The first plane, and one beyond the last.
+    planes: [usize; 2],
+    width: usize,
+    /// A node near the triangle, the same in every slab.
+    base: [usize; 3],
+}
+
 impl Seeding<'_> {
+    /// The closest points of the nodes of all cells that triangles meet, in rows along y.
+    pub(super) fn run(&self) -> Rows {
+        let [width, height, depth] = self.grid.extent;
+        let mut rows = Rows::new(width * depth, height);
+        let (bins, words) = (self.bins(), rows.width());
+        rows.chunks_mut(width * self.slab).enumerate().for_each(|(number, rows)| {
+            let planes = [number * self.slab, ((number + 1) * self.slab).min(depth)];
+            let [start, end] = [0, 1].map(|next| bins.starts[number + next] as usize);
+            if start < end {
+                let squared = vec![self.cap(); (planes[1] - planes[0]) * width * height];
+                let mut slab = Slab { rows, squared, planes, width: words, base: [0; 3] };
+                for &triangle in &bins.triangles[start..end] {
+                    self.seed(triangle, &mut slab);
+                }
+            }
+        });
+        rows
+    }
+
+    /// Nodes of a cell are not farther from a triangle in it than this, squared.
+    fn cap(&self) -> f32 {
+        self.surface.spacing.length_squared() as f32 * 1.0001
+    }
+
     /// The nodes of the cells that the bounding box of a triangle meets, `None` if none is in the grid.
     fn nodes(&self, triangle: u32) -> Option<Nodes> {
-        let [a, b, c] = self.surface.corners(triangle).map(|corner| corner / self.grid.spacing);
+        let [a, b, c] = self.surface.corners(triangle).map(|corner| corner / self.surface.spacing);
         let least = (a.min(b).min(c) - self.margin).floor().to_array();
         let most = (a.max(b).max(c) + self.margin).ceil().to_array();
         let extent = self.grid.extent;
@@ -52,120 +84,113 @@ impl Seeding<'_> {
         })
     }
 
-    /// Sorts triangles by the blocks that their nodes belong to.
-    pub(super) fn bins(&self) -> Bins {
-        let side = self.layout.side;
-        let blocks = |triangle: usize| {
-            let nodes = self.nodes(triangle as u32);
-            nodes.into_iter().flat_map(move |Nodes { first, last }| {
-                let [x, y, z] = [0, 1, 2].map(|axis| first[axis] / side[axis]..=last[axis] / side[axis]);
-                z.flat_map(move |z| {
-                    let x = x.clone();
-                    y.clone().flat_map(move |y| x.clone().map(move |x| self.layout.number([x, y, z])))
-                })
-            })
+    /// Sorts triangles by the slabs that their nodes belong to.
+    fn bins(&self) -> Bins {
+        let count = self.surface.triangles.len() as u32;
+        let slabs = |triangle: u32| {
+            let nodes = self.nodes(triangle);
+            nodes.map_or(1..1, |nodes| nodes.first[2] / self.slab..nodes.last[2] / self.slab + 1)
         };
-        let mut starts = vec![0_u32; self.layout.len() + 1];
-        let count = self.surface.triangles.len();
-        (0..count).flat_map(blocks).for_each(|block| starts[block] += 1);
+        let slabs: Vec<_> = (0..count).into_par_iter().with_min_len(4096).map(slabs).collect();
+        let mut starts = vec![0_u32; self.grid.extent[2].div_ceil(self.slab) + 1];
+        slabs.iter().cloned().flatten().for_each(|slab| starts[slab] += 1);
         let mut sum = 0;
         for start in &mut starts {
             sum += *start;
             *start = sum;
         }
         let mut triangles = vec![0; sum as usize];
-        for triangle in (0..count).rev() {
-            for block in blocks(triangle) {
-                starts[block] -= 1;
-                triangles[starts[block] as usize] = triangle as u32;
+        for (triangle, slabs) in slabs.into_iter().enumerate().rev() {
+            for slab in slabs {
+                starts[slab] -= 1;
+                triangles[starts[slab] as usize] = triangle as u32;
             }
         }
         Bins { starts, triangles }
     }
 
-    /// Gives the nodes of a block their closest points; returns these, in the order of the nodes. The sites of the nodes
-    /// are marked as seeds and numbered from 0.
-    pub(super) fn seed(&self, block: &mut Block, bins: &Bins) -> Vec<Site> {
-        let number = self.layout.number(block.place);
-        let [from, to] = self.layout.nodes(block.place);
-        let cap = self.grid.spacing.length_squared() as f32 * 1.0001;
-        let [start, end] = [0, 1].map(|next| bins.starts[number + next] as usize);
-        // The nearest triangle of each node, for now.
-        let mut nearest = vec![cap; if start == end { 0 } else { block.squared.len() }];
-        for &triangle in &bins.triangles[start..end] {
-            let Some(Nodes { first, last }) = self.nodes(triangle) else { continue };
-            let nodes = Nodes {
-                first: std::array::from_fn(|axis| first[axis].max(from[axis])),
-                last: std::array::from_fn(|axis| last[axis].min(to[axis] - 1)),
-            };
-            self.visit(triangle, nodes, &mut |node, squared| {
-                let at = self.layout.index(std::array::from_fn(|axis| node[axis] - from[axis] + 1));
-                if squared < nearest[at] {
-                    (nearest[at], block.sites[at]) = (squared, triangle);
-                }
-            });
-        }
-        let mut sites = Vec::new();
-        for (at, &squared) in nearest.iter().enumerate() {
-            if block.sites[at] != NONE {
-                let triangle = std::mem::replace(&mut block.sites[at], SEED | sites.len() as u32);
-                let node = self.layout.coordinates(at);
-                let node = std::array::from_fn(|axis| from[axis] + node[axis] - 1);
-                let foot = self.surface.foot(triangle, self.position(node));
-                sites.push(Site { triangle, point: foot.point.as_vec3().to_array() });
-                block.squared[at] = squared.min(block.squared[at]);
-            }
-        }
-        sites
+    /// Gives the nodes of a slab that are near a triangle their closest points on it.
+    fn seed(&self, triangle: u32, slab: &mut Slab<'_>) {
+        let Some(mut nodes) = self.nodes(triangle) else { return };
+        slab.base = nodes.first;
+        nodes.first[2] = nodes.first[2].max(slab.planes[0]);
+        nodes.last[2] = nodes.last[2].min(slab.planes[1] - 1);
+        self.visit(triangle, nodes, slab);
     }
 
-    /// Calls a function with the squared distance of each of the nodes that is less than a cell's diagonal away.
-    fn visit(&self, triangle: u32, nodes: Nodes, near: &mut impl FnMut([usize; 3], f32)) {
-        let Nodes { first, last } = nodes;
-        let sides: [usize; 3] = std::array::from_fn(|axis| last[axis] + 1 - first[axis]);
-        if sides.iter().product::<usize>() <= 64 {
-            for z in first[2]..=last[2] {
-                for y in first[1]..=last[1] {
-                    for x in first[0]..=last[0] {
-                        let foot = self.surface.foot(triangle, self.position([x, y, z]));
-                        near([x, y, z], foot.squared as f32);
-                    }
-                }
-            }
+    /// Looks at some nodes, at fewer of them where the triangle is far from most.
+    fn visit(&self, triangle: u32, nodes: Nodes, slab: &mut Slab<'_>) {
+        let sides: [usize; 3] = std::array::from_fn(|axis| nodes.last[axis] + 1 - nodes.first[axis]);
+        if sides.iter().product::<usize>() <= 8 * LANES {
+            self.offer(triangle, nodes, slab);
             return;
         }
-        let (low, high) = (self.position(first), self.position(last));
-        let reach = 0.5 * low.distance(high) + 1.01 * self.grid.spacing.length();
-        if self.surface.foot(triangle, 0.5 * (low + high)).squared > reach * reach {
+        let (low, high) = (self.surface.node(nodes.first), self.surface.node(nodes.last));
+        let reach = 0.5 * low.distance(high) + 1.01 * self.surface.spacing.length();
+        let corners = self.surface.corners(triangle);
+        let middle = 0.5 * (low + high);
+        let nearest = crate::measure::Triangle(corners).nearest(middle).point;
+        if nearest.distance_squared(middle) > reach * reach {
             return;
         }
         let axis = (0..3).max_by_key(|&axis| sides[axis]).unwrap_or(0);
         let (mut lower, mut upper) = (nodes, nodes);
-        lower.last[axis] = first[axis] + sides[axis] / 2 - 1;
-        upper.first[axis] = first[axis] + sides[axis] / 2;
-        self.visit(triangle, lower, near);
-        self.visit(triangle, upper, near);
+        lower.last[axis] = nodes.first[axis] + sides[axis] / 2 - 1;
+        upper.first[axis] = nodes.first[axis] + sides[axis] / 2;
+        self.visit(triangle, lower, slab);
+        self.visit(triangle, upper, slab);
     }
 
-    /// Where a node lies, relative to the origin.
-    pub(super) fn position(&self, node: [usize; 3]) -> Point {
-        self.grid.spacing * Point::from_array(node.map(|index| index as f64))
+    /// Offers nodes their closest points on a triangle, as many as there are lanes at a time.
+    fn offer(&self, triangle: u32, nodes: Nodes, slab: &mut Slab<'_>) {
+        // Near the triangle numbers are small, and differences exact.
+        let origin = self.surface.node(slab.base);
+        let [a, b, c] = self.surface.corners(triangle);
+        let wide = |point: Point| point.as_vec3().to_array().map(f32x8::splat);
+        let triangles = Triangles { corner: wide(a - origin), sides: [wide(b - a), wide(c - a)] };
+        let spacing = self.surface.spacing.as_vec3().to_array();
+        let mut next = Some(nodes.first);
+        while let Some(first) = next {
+            let (mut places, mut from) = ([first; LANES], [[0.0; LANES]; 3]);
+            let mut count = 0;
+            while let (Some(node), true) = (next, count < LANES) {
+                places[count] = node;
+                for axis in 0..3 {
+                    from[axis][count] = (node[axis] - slab.base[axis]) as f32 * spacing[axis];
+                }
+                count += 1;
+                next = nodes.after(node);
+            }
+            let feet = triangles.feet(&from.map(f32x8::new));
+            let (found, offsets) = (feet.squared().to_array(), feet.offsets.map(f32x8::to_array));
+            for lane in 0..count {
+                let [x, y, z] = places[lane];
+                let row = (z - slab.planes[0]) * self.grid.extent[0] + x;
+                let squared = &mut slab.squared[row * self.grid.extent[1] + y];
+                if found[lane] < *squared {
+                    *squared = found[lane];
+                    let at = |axis: usize| places[lane][axis] as f32 * spacing[axis] - offsets[axis][lane];
+                    let row = &mut slab.rows[row * slab.width..][..slab.width];
+                    set(row, y, [at(1), at(0), at(2)], triangle);
+                }
+            }
+        }
     }
+}
 
-    /// Seeds all blocks; returns all sites, and renumbers those of the blocks.
-    pub(super) fn run(&self, blocks: &mut [Block]) -> Vec<Site> {
-        let bins = self.bins();
-        let lists: Vec<Vec<Site>> = blocks.par_iter_mut().map(|block| self.seed(block, &bins)).collect();
-        let mut next = 0;
-        let starts = lists.iter().map(|list| {
-            next += list.len() as u32;
-            next - list.len() as u32
-        });
-        let starts: Vec<u32> = starts.collect();
-        blocks.par_iter_mut().zip(&starts).zip(&lists).for_each(|((block, start), list)| {
-            let seeds = block.sites.iter_mut().filter(|site| !list.is_empty() && **site & SEED != 0);
-            seeds.for_each(|site| *site += start);
-        });
-        lists.concat()
+impl Nodes {
+    /// The node after another: y first, then x.
+    fn after(&self, [x, y, z]: [usize; 3]) -> Option<[usize; 3]> {
+        let [left, low, _] = self.first;
+        let [right, high, deep] = self.last;
+        if y < high {
+            Some([x, y + 1, z])
+        } else if x < right {
+            Some([x + 1, low, z])
+        } else if z < deep {
+            Some([left, low, z + 1])
+        } else {
+            None
+        }
     }
 }

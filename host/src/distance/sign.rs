@@ -1,8 +1,8 @@
 //! On which side of a surface a node lies.
 
-use super::slide::Neighbours;
-use super::surface::{Feature, Foot, Surface};
+use super::surface::{Facet, NONE, Surface};
 use crate::field::Grid;
+use crate::measure::Triangle;
 use crate::mesh::Point;
 
 /// Where signs come from.
@@ -19,19 +19,37 @@ pub(super) enum Signs<'a> {
 }
 
 impl Signs<'_> {
-    /// Whether a node is inside, given its number and its point on the surface.
-    pub(super) fn inside(&self, node: usize, foot: &Foot) -> bool {
+    /// Gives distances of a row of nodes their signs, given the number of the first node and the nearest triangle of each.
+    /// Where a mesh has none near enough, the value is NaN.
+    pub(super) fn mark(
+        &self,
+        surface: &Surface,
+        node: [usize; 3],
+        first: usize,
+        triangles: &[u32],
+        values: &mut [f32],
+    ) {
         match self {
-            Self::Field { values, isovalue } => values[node] > *isovalue,
-            Self::Mesh(normals) => normals.inside(foot),
+            Self::Field { values: samples, isovalue } => {
+                for (value, sample) in values.iter_mut().zip(&samples[first..]) {
+                    *value = if sample > isovalue { -*value } else { *value };
+                }
+            }
+            Self::Mesh(normals) => {
+                for (x, (value, &triangle)) in values.iter_mut().zip(triangles).enumerate() {
+                    if triangle == NONE {
+                        *value = f32::NAN;
+                    } else if normals.inside(surface.node([x, node[1], node[2]]), triangle) {
+                        *value = -*value;
+                    }
+                }
+            }
         }
     }
 
     /// Gives nodes beyond the limit, whose values are NaN, the limit with a sign: that of the nodes around them.
     pub(super) fn fill(&self, grid: &Grid, values: &mut [f32], limit: f32) {
-        if let Self::Field { values: samples, isovalue } = self {
-            let beyond = values.iter_mut().zip(*samples).filter(|(value, _)| value.is_nan());
-            beyond.for_each(|(value, sample)| *value = if sample > isovalue { -limit } else { limit });
+        if matches!(self, Self::Field { .. }) {
             return;
         }
         let mut stack = Vec::new();
@@ -57,12 +75,12 @@ impl Signs<'_> {
 #[derive(Debug)]
 pub(super) struct Normals<'a> {
     surface: &'a Surface<'a>,
-    neighbours: &'a Neighbours,
+    facets: &'a [Facet],
     vertices: Vec<Point>,
 }
 
 impl<'a> Normals<'a> {
-    pub(super) fn new(surface: &'a Surface<'a>, neighbours: &'a Neighbours) -> Self {
+    pub(super) fn new(surface: &'a Surface<'a>, facets: &'a [Facet]) -> Self {
         let mut vertices = vec![Point::ZERO; surface.positions.len()];
         for (triangle, corners) in surface.triangles.iter().enumerate() {
             let points = surface.corners(triangle as u32);
@@ -75,23 +93,30 @@ impl<'a> Normals<'a> {
                     if angle.is_nan() { Point::ZERO } else { normal * angle };
             }
         }
-        Self { surface, neighbours, vertices }
+        Self { surface, facets, vertices }
     }
 
-    /// Whether a node is behind its foot.
-    fn inside(&self, foot: &Foot) -> bool {
+    /// Whether a point is behind the nearest point of a triangle.
+    fn inside(&self, at: Point, triangle: u32) -> bool {
         let face = |triangle: u32| normal(self.surface.corners(triangle));
-        let normal = match foot.feature {
-            Feature::Face => face(foot.triangle),
-            Feature::Edge(edge) => {
-                let other = self.neighbours.across(foot.triangle, edge);
-                face(foot.triangle) + other.map_or(Point::ZERO, face)
-            }
-            Feature::Corner(corner) => {
-                self.vertices[self.surface.triangles[foot.triangle as usize][usize::from(corner)] as usize]
-            }
+        let nearest = Triangle(self.surface.corners(triangle)).nearest(at);
+        let [u, v, w] = nearest.weights.map(|weight| weight != 0.0);
+        let corner =
+            |corner: usize| self.vertices[self.surface.triangles[triangle as usize][corner] as usize];
+        let edge = |side: usize| {
+            let other = self.facets[triangle as usize].across(side);
+            face(triangle) + other.map_or(Point::ZERO, face)
         };
-        foot.offset.dot(normal) < 0.0
+        let normal = match [u, v, w] {
+            [true, false, false] => corner(0),
+            [false, true, false] => corner(1),
+            [false, false, true] => corner(2),
+            [true, true, false] => edge(0),
+            [false, true, true] => edge(1),
+            [true, false, true] => edge(2),
+            _ => face(triangle),
+        };
+        (at - nearest.point).dot(normal) < 0.0
     }
 }
 

@@ -1,39 +1,44 @@
-//! Triangles to be distant from, and nearest points on them.
+//! Triangles to be distant from.
+
+use rayon::prelude::*;
+use wide::f32x8;
 
 use super::DistanceError;
+use super::lanes::{LANES, Triangles};
+use super::rows::load;
 use crate::field::Grid;
 use crate::mesh::{Point, TriangleMesh};
 
-/// A mesh whose indices are in range, relative to the origin of a grid.
+/// No triangle.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// A mesh whose indices are in range, relative to the origin of a grid, in units of its cells' edge: numbers are moderate
+/// whatever the units of the mesh are.
 #[derive(Debug)]
 pub(super) struct Surface<'a> {
     pub(super) positions: Vec<Point>,
     pub(super) triangles: &'a [[u32; 3]],
+    /// Distance between nodes, in cells' edges.
+    pub(super) spacing: Point,
 }
 
-/// Where on a triangle a point lies. Edge n runs from corner n to the next one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Feature {
-    Face,
-    Edge(u8),
-    Corner(u8),
-}
-
-/// The point of a triangle that is nearest to a node.
+/// A triangle as lanes take it: its first corner, the ways to the others, and, as bits, the triangles across its sides, or
+/// [`NONE`]. Side n runs from corner n to the next one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
-    pub(super) triangle: u32,
-    pub(super) feature: Feature,
-    pub(super) point: Point,
-    /// From the foot to the node.
-    pub(super) offset: Point,
-    /// Squared length of the offset.
-    pub(super) squared: f64,
-}
+pub(super) struct Facet([f32; 12]);
 
 impl<'a> Surface<'a> {
     /// Checks a mesh.
     pub(super) fn new(mesh: &'a TriangleMesh, grid: &Grid) -> Result<Self, DistanceError> {
+        if grid.is_empty() {
+            return Err(DistanceError::Grid("no nodes"));
+        }
+        let edge = grid.cell_edge();
+        let spacing = grid.spacing / edge;
+        let moderate = |step: &f64| *step > 1e-6 && *step < 1e6;
+        if !(edge.is_normal() && spacing.to_array().iter().all(moderate)) {
+            return Err(DistanceError::Grid("a spacing that is not three positive numbers of like size"));
+        }
         let vertices = mesh.positions.len();
         let missing = |triangle: &[u32; 3]| triangle.iter().any(|&corner| corner as usize >= vertices);
         if let Some(triangle) = mesh.triangles.iter().position(missing) {
@@ -42,8 +47,8 @@ impl<'a> Surface<'a> {
         if let Some(vertex) = mesh.positions.iter().position(|point| !point.is_finite()) {
             return Err(DistanceError::NotFinite { vertex });
         }
-        let positions = mesh.positions.iter().map(|&point| point - grid.origin).collect();
-        Ok(Self { positions, triangles: &mesh.triangles })
+        let positions = mesh.positions.par_iter().map(|&point| (point - grid.origin) / edge).collect();
+        Ok(Self { positions, triangles: &mesh.triangles, spacing })
     }
 
     /// Corners of a triangle.
@@ -51,41 +56,81 @@ impl<'a> Surface<'a> {
         self.triangles[triangle as usize].map(|corner| self.positions[corner as usize])
     }
 
-    /// The nearest point of a triangle.
-    pub(super) fn foot(&self, triangle: u32, from: Point) -> Foot {
-        let (point, feature) = nearest(self.corners(triangle), from);
-        let offset = from - point;
-        Foot { triangle, feature, point, offset, squared: offset.length_squared() }
+    /// Where a node lies.
+    pub(super) fn node(&self, node: [usize; 3]) -> Point {
+        self.spacing * Point::from_array(node.map(|index| index as f64))
+    }
+
+    /// All triangles with their neighbours.
+    ///
+    /// Cost: about 30 ns a triangle.
+    pub(super) fn facets(&self) -> Vec<Facet> {
+        let across = self.across();
+        let facet = |(triangle, &across): (usize, &[u32; 3])| {
+            let [a, b, c] = self.corners(triangle as u32);
+            let points = [a, b - a, c - a].map(|point| point.as_vec3().to_array());
+            let mut facet = [0.0; 12];
+            facet[..9].copy_from_slice(points.as_flattened());
+            facet[9..].copy_from_slice(&across.map(f32::from_bits));
+            Facet(facet)
+        };
+        across.par_iter().enumerate().with_min_len(4096).map(facet).collect()
+    }
+
+    /// The triangles across the sides of each triangle: those that have the side the other way round, in pairs. Sides
+    /// without a partner have none.
+    ///
+    /// Sides wait for their partners in a list of their edge's lower vertex.
+    fn across(&self) -> Vec<[u32; 3]> {
+        let mut across = vec![[NONE; 3]; self.triangles.len()];
+        let mut first = vec![NONE; self.positions.len()];
+        let mut after = vec![[NONE; 3]; self.triangles.len()];
+        let ends = |side: u32| {
+            let corners = self.triangles[(side / 3) as usize];
+            [corners[(side % 3) as usize], corners[((side + 1) % 3) as usize]]
+        };
+        for side in 0..3 * self.triangles.len() as u32 {
+            let [from, to] = ends(side);
+            let list = &mut first[from.min(to) as usize];
+            let (mut before, mut other) = (NONE, *list);
+            while other != NONE && ends(other) != [to, from] {
+                before = other;
+                other = after[(other / 3) as usize][(other % 3) as usize];
+            }
+            let place = |side: u32| ((side / 3) as usize, (side % 3) as usize);
+            let (triangle, corner) = place(side);
+            if other == NONE {
+                after[triangle][corner] = std::mem::replace(list, side);
+                continue;
+            }
+            let (partner, at) = place(other);
+            across[triangle][corner] = partner as u32;
+            across[partner][at] = triangle as u32;
+            let rest = after[partner][at];
+            if before == NONE {
+                *list = rest;
+            } else {
+                after[place(before).0][place(before).1] = rest;
+            }
+        }
+        across
     }
 }
 
-/// The point of a triangle nearest to `p`, by the Voronoi regions of its features (Ericson 2005, §5.1.5).
-pub(super) fn nearest([a, b, c]: [Point; 3], p: Point) -> (Point, Feature) {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return (a, Feature::Corner(0));
+impl Facet {
+    /// The triangle across a side.
+    pub(super) fn across(&self, side: usize) -> Option<u32> {
+        let triangle = self.0[9 + side].to_bits();
+        (triangle != NONE).then_some(triangle)
     }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return (b, Feature::Corner(1));
+
+    /// Eight triangles, and those across their sides.
+    #[inline(always)]
+    pub(super) fn gather(facets: [&Self; LANES]) -> (Triangles, [f32x8; 3]) {
+        let part = |first: usize| f32x8::transpose(std::array::from_fn(|lane| load(&facets[lane].0, first)));
+        let [x, y, z, b_x, b_y, b_z, c_x, c_y] = part(0);
+        let [.., c_z, first, second, third] = part(4);
+        let triangles = Triangles { corner: [x, y, z], sides: [[b_x, b_y, b_z], [c_x, c_y, c_z]] };
+        (triangles, [first, second, third])
     }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return (c, Feature::Corner(2));
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return (a + ab * (d1 / (d1 - d3)), Feature::Edge(0));
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return (a + ac * (d2 / (d2 - d6)), Feature::Edge(2));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), Feature::Edge(1));
-    }
-    let all = va + vb + vc;
-    (a + ab * (vb / all) + ac * (vc / all), Feature::Face)
 }

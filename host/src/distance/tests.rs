@@ -1,11 +1,11 @@
-use super::surface::nearest;
 use super::*;
+use crate::measure::Triangle;
 use crate::mesh::Point;
 
 /// Distance to the nearest of all triangles.
 fn brute(mesh: &TriangleMesh, from: Point) -> f64 {
     let distances = mesh.triangles.iter().map(|triangle| {
-        nearest(triangle.map(|corner| mesh.positions[corner as usize]), from).0.distance(from)
+        Triangle(triangle.map(|corner| mesh.positions[corner as usize])).nearest(from).point.distance(from)
     });
     distances.fold(f64::INFINITY, f64::min)
 }
@@ -35,7 +35,7 @@ fn distances_are_those_to_the_contour() {
         let field = waves([40, 36, 33], spacing);
         let mesh = contour(&field, 0.25).unwrap();
         let found = of_isosurface(&field, 0.25, &Options::default()).unwrap();
-        let off = share_off(&found.field, &mesh, 61, 0.01);
+        let off = share_off(&found.field, &mesh, 23, 0.01);
         println!("{off} off, {:?}", found.report);
         assert!(off <= most, "{off}");
         let signs = found.field.values().iter().zip(field.values());
@@ -44,15 +44,15 @@ fn distances_are_those_to_the_contour() {
 }
 
 #[test]
-fn neither_blocks_nor_threads_change_a_thing() {
+fn neither_slabs_nor_threads_change_a_thing() {
     let field = waves([50, 34, 41], Point::new(1.0, 0.7, 1.3));
-    let run = |block, threads| {
+    let run = |slab, threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| of_isosurface(&field, 0.1, &Options { block, ..Options::default() })).unwrap()
+        pool.install(|| of_isosurface(&field, 0.1, &Options { slab, ..Options::default() })).unwrap()
     };
     let one = run(128, 1);
-    for (block, threads) in [(128, 2), (32, 1), (16, 3), (7, 2), (4, 1)] {
-        assert_eq!(run(block, threads), one, "{block} {threads}");
+    for (slab, threads) in [(128, 2), (32, 1), (16, 3), (7, 2), (4, 1)] {
+        assert_eq!(run(slab, threads), one, "{slab} {threads}");
     }
 }
 
