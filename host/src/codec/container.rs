@@ -27,6 +27,9 @@ const START_BYTES: usize = 10;
 /// Length of the index, its checksum, the end magic.
 pub(super) const FOOTER_BYTES: usize = 4 + 4 + 4;
 
+/// Bytes of the shortest record of a time step there can be, or fewer.
+const LEAST_STEP: u32 = 16;
+
 /// What every container begins with.
 pub(super) fn start() -> [u8; START_BYTES] {
     let mut start = [0; START_BYTES];
@@ -91,6 +94,10 @@ impl Container {
     pub fn new(source: Box<dyn ReadAt>) -> Result<Self, ContainerError> {
         check_start(&*source)?;
         let (index, end) = read_index(&*source)?;
+        // So that a step that takes memory takes bytes of the file as well.
+        if index.steps.iter().any(|step| step.record < LEAST_STEP || step.bricks.is_empty()) {
+            return Err(damaged("the index has a time step of nothing"));
+        }
         let mut at = START_BYTES as u64;
         let head: Record<Head> = Record::next(Kind::Head, &mut at, index.head);
         let metadata = Record::next(Kind::Metadata, &mut at, index.metadata);

@@ -12,7 +12,7 @@ use super::grid::per_axis;
 use super::region::Wanted;
 use super::{Brick, Container, ContainerError, Part, Progress, Statistics, pool};
 use crate::progress::tell;
-use crate::volume::{Header, Volume};
+use crate::volume::{FileFormat, Header, Metadata, Volume};
 
 impl Container {
     /// The header that a part has as a data set of its own: what is left of extent, components and time steps, and
@@ -21,18 +21,21 @@ impl Container {
     /// # Errors
     /// [`ContainerError`]: a part that the data set does not have, or damage.
     pub fn header_of(&self, part: &Part) -> Result<Header, ContainerError> {
-        self.header_of_wanted(&self.check(part)?)
+        let wanted = self.check(part)?;
+        let start = wanted.from.map(|first| first << wanted.level);
+        let metadata = self.metadata()?.of_part(start, 1 << wanted.level);
+        Ok(Header { metadata, ..self.shape_of(&wanted) })
     }
 
-    pub(super) fn header_of_wanted(&self, wanted: &Wanted) -> Result<Header, ContainerError> {
-        let start = wanted.from.map(|first| first << wanted.level);
-        Ok(Header {
+    /// The header of a part without its metadata, which may be damaged though samples are not.
+    fn shape_of(&self, wanted: &Wanted) -> Header {
+        Header {
             extent: wanted.extent(),
             components: wanted.components.len() as u32,
             steps: wanted.steps.end - wanted.steps.start,
             element: self.head().element,
-            metadata: self.metadata()?.of_part(start, 1 << wanted.level),
-        })
+            metadata: Metadata::plain(3, FileFormat::Raw),
+        }
     }
 
     /// Reads one volume of single values, or a part of it, on `threads` threads (`None`: one per core); bricks outside
@@ -67,7 +70,7 @@ impl Container {
         threads: Option<NonZeroUsize>,
         progress: Progress<'_>,
     ) -> Result<Vec<u8>, ContainerError> {
-        let bytes = self.header_of(part)?.bytes().unwrap_or(u64::MAX);
+        let bytes = self.shape_of(&self.check(part)?).bytes().unwrap_or(u64::MAX);
         let mut samples = zeros(bytes).ok_or(ContainerError::OutOfMemory { bytes })?;
         self.read_into(part, &mut samples, threads, progress)?;
         Ok(samples)
@@ -85,7 +88,7 @@ impl Container {
         progress: Progress<'_>,
     ) -> Result<(), ContainerError> {
         let wanted = self.check(part)?;
-        let header = self.header_of_wanted(&wanted)?;
+        let header = self.shape_of(&wanted);
         let (expected, actual) = (header.bytes().unwrap_or(u64::MAX), out.len() as u64);
         if expected != actual {
             return Err(ContainerError::BufferLength { expected, actual });
@@ -219,8 +222,7 @@ impl Container {
     /// Values of a part, which is what reading counts progress up to; 0 for a part that does not exist.
     pub fn values(&self, part: &Part) -> u64 {
         let Ok(wanted) = self.check(part) else { return 0 };
-        let steps = wanted.steps.end - wanted.steps.start;
-        wanted.extent().into_iter().product::<u64>() * wanted.components.len() as u64 * steps
+        self.shape_of(&wanted).bytes().map_or(0, |bytes| bytes / self.head().element.bytes() as u64)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::files::{noise, nrrd, smooth_u16, split_nrrd};
 use crate::run::Folder;
@@ -193,4 +193,36 @@ fn a_region_keeps_its_place_in_space() {
     for line in ["spacings: 2.00 5e-1 3", "space directions: (2,0,0) (0,0.5,0) (0,0,-3)"] {
         assert!(header.contains(&line), "{line}: {header:?}");
     }
+}
+
+#[test]
+fn time_steps_are_appended_and_read_one_by_one() {
+    let folder = Folder::new();
+    let layout = "--extent 20x13x6 --type u16";
+    let (first, second) = (noise(2 * 20 * 13 * 6, 1), noise(2 * 20 * 13 * 6, 2));
+    folder.write("first.raw", &first);
+    folder.write("second.raw", &second);
+    folder.run(&format!("compress first.raw a.wlift --brick 8 {layout}")).silent();
+    folder.run(&format!("append a.wlift second.raw --brick 8 --time 0.5 {layout}")).silent();
+    let info = folder.run("info a.wlift --json").json();
+    let steps = info["steps"].as_array().unwrap();
+    assert_eq!((steps.len(), &info["bricks"]), (2, &json!(12)));
+    assert_eq!((&steps[1]["name"], &steps[1]["time"]), (&json!("second"), &json!(0.5)));
+    assert_eq!((&steps[0]["name"], &steps[0]["brick"]), (&Value::Null, &json!([8, 8, 6])));
+    folder.run("decompress a.wlift out.raw").silent();
+    assert_eq!(folder.read("out.raw"), [first.clone(), second.clone()].concat());
+    for (step, expected) in [(0, first), (1, second)] {
+        folder.run(&format!("decompress a.wlift out.raw --step {step}")).silent();
+        assert_eq!(folder.read("out.raw"), expected);
+        folder.run(&format!("decompress a.wlift out.raw --step {step} --memory 1K")).silent();
+        assert_eq!(folder.read("out.raw"), expected);
+    }
+    folder.run("verify a.wlift").ok();
+    folder.run("decompress a.wlift out.raw --step 2").fails(2, &["time step 2", "has 2"]);
+    folder.run("decompress a.wlift out.raw --component 1").fails(2, &["component 1"]);
+    folder.write("small.raw", noise(2 * 20 * 13 * 5, 1));
+    let before = folder.read("a.wlift");
+    let small = "append a.wlift small.raw --extent 20x13x5 --type u16";
+    folder.run(small).fails(2, &["20x13x6", "20x13x5"]);
+    assert_eq!(folder.read("a.wlift"), before);
 }
