@@ -145,7 +145,7 @@ def check_colours(check):
         expect(header["kinds"][0].upper().startswith(names.upper()), f"{names}: kinds are {header['kinds']}")
         check.convert("b.nrrd", "c.nii.gz")
         found = nibabel.load(check.path("c.nii.gz"))
-        same(np.asanyarray(found.dataobj).view("u1").reshape(values.shape), values, f"{names} back in NIfTI")
+        same(np.ascontiguousarray(found.dataobj).view("u1").reshape(values.shape), values, f"{names} back in NIfTI")
         check.convert("a.nii", "b.mha")
         found = sitk.GetArrayFromImage(sitk.ReadImage(str(check.path("b.mha"))))
         same(found.transpose(2, 1, 0, 3), values, f"{names} from NIfTI to MetaImage")

@@ -127,17 +127,23 @@ impl Metadata {
         for name in ["space", "space dimension", "spacings", "axis mins", "axis maxs"] {
             self.remove_field(name);
         }
+        let rank = self.rank();
+        let mut vectors = geometry.directions[..rank].iter().chain([&geometry.origin]);
+        let is_flat = geometry.space == Space::Unnamed
+            && vectors.all(|vector| vector[rank..].iter().all(|part| *part == 0.0));
+        // Slices of no space have as many coordinates as axes.
+        let dimension = if is_flat { rank } else { 3 };
         match geometry.space.name() {
             Some(name) => self.set_field("space", name),
-            None => self.set_field("space dimension", "3"),
+            None => self.set_field("space dimension", &dimension.to_string()),
         }
         let directions = self.axes.iter().map(|axis| match axis.space() {
-            Some(axis) => vector_text(&geometry.directions[axis]),
+            Some(axis) => vector_text(&geometry.directions[axis][..dimension]),
             None => "none".to_owned(),
         });
         let directions: Vec<String> = directions.collect();
         self.set_field("space directions", &directions.join(" "));
-        self.set_field("space origin", &vector_text(&geometry.origin));
+        self.set_field("space origin", &vector_text(&geometry.origin[..dimension]));
         if let Some(step) = time_step {
             self.set_axis_entry("spacings", Axis::Time(0), &step);
         }
@@ -161,9 +167,10 @@ impl HeaderLine {
     }
 }
 
-/// A vector of two or three coordinates; a third is 0.
+/// A vector of one to three coordinates, with zeros for those that it lacks.
 fn three(vector: &[f64]) -> Option<[f64; 3]> {
     match *vector {
+        [x] => Some([x, 0.0, 0.0]),
         [x, y] => Some([x, y, 0.0]),
         [x, y, z] | [x, y, z, _] => Some([x, y, z]),
         _ => None,
@@ -237,7 +244,9 @@ mod tests {
         slice.set_field("space directions", "(0.5,0) (0,0.25)");
         slice.set_field("space origin", "(7,8)");
         assert_eq!(slice.geometry(), Some(Geometry::along_axes([0.5, 0.25, 1.0], [7.0, 8.0, 0.0])));
-        slice.set_field("space origin", "(7)");
-        assert_eq!(slice.geometry(), None);
+        slice.set_geometry(&slice.geometry().unwrap());
+        assert_eq!(slice.field("space directions"), Some("(0.5,0) (0,0.25)"));
+        slice.set_field("space origin", "(7,x)");
+        assert_eq!(slice.geometry(), Some(Geometry::along_axes([0.5, 0.25, 1.0], [0.0; 3])));
     }
 }

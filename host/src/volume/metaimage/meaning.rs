@@ -118,7 +118,8 @@ impl Place {
             }
             geometry.origin[axis] = entry(&offset, axis, 0.0);
         }
-        if value(ANATOMY).is_some_and(|letters| !letters.contains('?')) {
+        // Anatomy has three axes.
+        if rank > 2 && value(ANATOMY).is_some_and(|letters| !letters.contains('?')) {
             geometry.space = Space::LeftPosteriorSuperior;
         }
         Self { geometry: Some(geometry), is_oriented, time_step }

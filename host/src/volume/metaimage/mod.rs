@@ -153,8 +153,8 @@ fn axes_of(header: &Header) -> Vec<Axis> {
     let mut axes = header.axes();
     axes.retain(|axis| !matches!(axis, Axis::Component(_)));
     axes.sort_by_key(|axis| axis.place());
-    if axes.iter().any(|axis| matches!(axis, Axis::Time(_))) {
-        // Time is the fourth axis, after as many of space as there may be.
+    if axes.iter().any(|axis| matches!(axis, Axis::Time(_))) || is_out_of_plane(header) {
+        // Time is the fourth axis, after as many of space as there may be; and places have as many numbers as axes.
         let missing = axes.iter().filter(|axis| axis.is_space()).count()..3;
         let at = missing.start;
         missing.rev().for_each(|axis| axes.insert(at, Axis::SPACE[axis]));
@@ -163,6 +163,14 @@ fn axes_of(header: &Header) -> Vec<Axis> {
         axes.insert(0, Axis::Component(header.components));
     }
     axes
+}
+
+/// Whether a line or slice lies in a space of more axes than it has.
+fn is_out_of_plane(header: &Header) -> bool {
+    let rank = header.rank();
+    let geometry = header.metadata.geometry().filter(|_| header.metadata.field("space directions").is_some());
+    let vectors = geometry.map(|geometry| [&geometry.directions[..rank], &[geometry.origin]].concat());
+    vectors.is_some_and(|vectors| vectors.iter().any(|vector| vector[rank..].iter().any(|part| *part != 0.0)))
 }
 
 /// Header up to where the samples, or the name of their file, follow.

@@ -80,7 +80,7 @@ const fn first(name: &'static str, place: usize, kind: Kind) -> Field {
 
 use Kind::{F32, F64, I16, I32, I64, Text, U8};
 
-const FIELDS: [Field; 31] = [
+static FIELDS: [Field; 31] = [
     first("data_type", 4, Text(10)),
     first("db_name", 14, Text(18)),
     first("extents", 32, I32),

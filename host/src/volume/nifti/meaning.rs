@@ -147,7 +147,7 @@ pub(super) fn written(
     };
     let axes = file_axes(&dim, lead).ok_or("so many components")?;
     let mut fields = Fields::of_metadata(metadata);
-    place(header, &mut fields);
+    place(metadata, &mut fields, dim.len().min(3));
     set_units(metadata, &mut fields);
     adopt(metadata, &mut fields);
     let extensions = (0..).map_while(|number| metadata.key_value(&format!("{EXTENSION}{number}")));
@@ -185,9 +185,10 @@ fn dim_for(header: &Header, lead: u32) -> Result<Vec<u64>, String> {
     let others = |dim: &[u64]| {
         dim.get(4..).unwrap_or_default().iter().try_fold(1_u64, |product, &count| product.checked_mul(count))
     };
+    let needed = header.extent.iter().rposition(|&count| count > 1).map_or(1, |axis| axis + 1);
     let mut dim = match kept {
         Some(dim)
-            if (header.rank()..=7).contains(&dim.len())
+            if (needed..=7).contains(&dim.len())
                 && dim.get(3).copied().unwrap_or(1) == header.steps
                 && others(&dim) == Some(components) =>
         {
@@ -207,14 +208,13 @@ fn dim_for(header: &Header, lead: u32) -> Result<Vec<u64>, String> {
 }
 
 /// Leaves positions as they were if they still are those of the metadata, and says them anew if not.
-fn place(header: &Header, fields: &mut Fields) {
-    let metadata = &header.metadata;
+fn place(metadata: &Metadata, fields: &mut Fields, rank: usize) {
     let is_oriented = metadata.field("space directions").is_some();
     let now = metadata.geometry().map(|geometry| match is_oriented {
         true => Placement::Oriented(geometry),
         false => Placement::Spaced(geometry.spacing()),
     });
-    if !is_same(&placement(fields), &now, header.rank()) {
+    if !is_same(&placement(fields), &now, rank) {
         set_placement(fields, now.as_ref());
     }
     if fields.text("pixdim").is_none() {

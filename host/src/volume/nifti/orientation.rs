@@ -70,15 +70,24 @@ fn qform(fields: &Fields) -> Geometry {
     Geometry { space: Space::RightAnteriorSuperior, directions, origin: fields.numbers("qoffset") }
 }
 
+/// Whether two vectors are the same but for rounding: formats that keep lengths and unit vectors multiply them.
+fn is_close(one: &[f64; 3], other: &[f64; 3]) -> bool {
+    let largest = one.iter().chain(other).fold(0.0_f64, |largest, part| largest.max(part.abs()));
+    one.iter().zip(other).all(|(one, other)| (one - other).abs() <= 1e-12 * largest)
+}
+
 /// Whether two say the same of the first `rank` axes.
 pub(super) fn is_same(one: &Option<Placement>, other: &Option<Placement>, rank: usize) -> bool {
     match (one, other) {
         (Some(Placement::Oriented(one)), Some(Placement::Oriented(other))) => {
-            one.space == other.space
-                && one.directions[..rank] == other.directions[..rank]
-                && one.origin == other.origin
+            let has_name = (other.space == Space::Unnamed) == (one.space == Space::Unnamed);
+            let other = other.in_space(one.space);
+            let pairs = one.directions[..rank].iter().zip(&other.directions[..rank]);
+            has_name && pairs.chain([(&one.origin, &other.origin)]).all(|(one, other)| is_close(one, other))
         }
-        (Some(Placement::Spaced(one)), Some(Placement::Spaced(other))) => one[..rank] == other[..rank],
+        (Some(Placement::Spaced(one)), Some(Placement::Spaced(other))) => {
+            one[..rank].iter().zip(&other[..rank]).all(|(one, other)| (one - other).abs() <= 1e-12 * one)
+        }
         (one, other) => one.is_none() && other.is_none(),
     }
 }
