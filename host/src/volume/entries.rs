@@ -20,12 +20,15 @@ const PER_AXIS: [(&str, &str); 10] = [
 ];
 
 /// What fills the place of an unknown axis in this field; `None` if the field has no entries per axis.
-pub(super) fn filler(name: &str, axis: Axis) -> Option<&'static str> {
+pub(super) ///
+/// Time behind all other axes is a `list`, as other programs read it.
+fn filler(name: &str, axis: Axis, is_last: bool) -> Option<&'static str> {
     let (found, filler) = PER_AXIS.into_iter().find(|(known, _)| is_same_name(known, name))?;
     Some(match axis {
         _ if found != "kinds" => filler,
         Axis::X | Axis::Y | Axis::Z => "domain",
         Axis::Component(_) => "vector",
+        Axis::Time(_) if is_last => "list",
         Axis::Time(_) => "time",
     })
 }
@@ -65,20 +68,20 @@ fn end_of_quoted(text: &str) -> Option<usize> {
 /// An axis that is not in `from` gets a filler. `None` where nothing has to change: the axes are the same, the field
 /// has no entries per axis, or not as many as axes.
 pub(super) fn rearranged(name: &str, value: &str, from: &[Axis], to: &[Axis]) -> Option<String> {
-    filler(name, Axis::X)?;
+    filler(name, Axis::X, false)?;
     let entries = entries(value);
     if from == to || entries.len() != from.len() {
         return None;
     }
     let mut is_taken = vec![false; from.len()];
-    let words = to.iter().map(|axis| {
+    let words = to.iter().enumerate().map(|(place, axis)| {
         let found = (0..from.len()).find(|&index| !is_taken[index] && from[index].is_like(*axis));
         match found {
             Some(index) => {
                 is_taken[index] = true;
                 &value[entries[index].clone()]
             }
-            None => filler(name, *axis).unwrap_or_default(),
+            None => filler(name, *axis, place + 1 == to.len()).unwrap_or_default(),
         }
     });
     Some(words.collect::<Vec<_>>().join(" "))
@@ -115,7 +118,7 @@ mod tests {
         assert_eq!(moved("Spacings", "1 2  3").unwrap(), "nan 1 2 3 nan");
         let directions = moved("space directions", "(1,0,0) (0,1,0) (0, 0,1)");
         assert_eq!(directions.unwrap(), "none (1,0,0) (0,1,0) (0, 0,1) none");
-        assert_eq!(moved("kinds", "space space space").unwrap(), "vector space space space time");
+        assert_eq!(moved("kinds", "space space space").unwrap(), "vector space space space list");
         assert_eq!(moved("labels", "\"a\" \"b c\" \"\"").unwrap(), "\"\" \"a\" \"b c\" \"\" \"\"");
         assert_eq!(moved("kinds", "space space"), None);
         assert_eq!(moved("content", "one two three"), None);

@@ -82,13 +82,16 @@ fn said_by(kind: &str, direction: &str) -> Said {
 }
 
 /// The value of `kinds` that makes a reader find these axes.
+///
+/// Time behind all others is a `list`: ITK takes `time` for one more axis of space, and then misses its direction.
 pub(super) fn kinds_of(axes: &[Axis]) -> String {
-    let kind = |axis: &Axis| match axis {
+    let kind = |(index, axis): (usize, &Axis)| match axis {
         Axis::Component(_) => "vector",
+        Axis::Time(_) if index + 1 == axes.len() => "list",
         Axis::Time(_) => "time",
         Axis::X | Axis::Y | Axis::Z => "domain",
     };
-    axes.iter().map(kind).collect::<Vec<_>>().join(" ")
+    axes.iter().enumerate().map(kind).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
