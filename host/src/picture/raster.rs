@@ -121,6 +121,25 @@ impl Flat {
         [low, limit(high.floor()).max(low)]
     }
 
+    /// Columns of a row that it may cover, of those from `left` to `right`: one more on both sides than its sides leave.
+    fn columns(&self, row: usize, [left, right]: [usize; 2]) -> [usize; 2] {
+        let [a, b, c] = self.corners;
+        let (mut low, mut high) = (left as f64, right as f64);
+        for [from, to] in [[b, c], [c, a], [a, b]] {
+            let rise = to[1] - from[1];
+            let crossing = from[0] + (to[0] - from[0]) * ((row as f64 + 0.5 - from[1]) / rise);
+            // It lies to the left of sides that go down the screen, as it runs clockwise.
+            if rise > 0.0 {
+                high = high.min(crossing + 1.5);
+            } else if rise < 0.0 {
+                low = low.max(crossing - 1.5);
+            }
+        }
+        // Numbers beyond all bounds are cut.
+        let low = (low as usize).clamp(left, right);
+        [low, (high as usize).clamp(low, right)]
+    }
+
     /// Puts itself into the samples of a band that it covers and nothing is before it.
     fn fill(&self, fragments: &mut [Fragment], width: usize, first_row: usize) {
         let [a, b, c] = self.corners;
@@ -134,6 +153,7 @@ impl Flat {
         let [left, right] = self.span(0, width);
         for row in low.max(first_row)..high {
             let line = &mut fragments[(row - first_row) * width..][..width];
+            let [left, right] = self.columns(row, [left, right]);
             for (column, fragment) in line[left..right].iter_mut().enumerate() {
                 let sample = [(left + column) as f64 + 0.5, row as f64 + 0.5, 0.0];
                 let turns = opposite.map(|[from, to]| turn(from, to, sample));
@@ -161,4 +181,50 @@ impl Flat {
 /// Twice the area of a triangle, positive if it runs clockwise on the screen.
 fn turn(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slivers_are_looked_for_along_themselves_only() {
+        const SIDE: usize = 400;
+        let corners = [[3.0, 2.0, 1.0], [390.0, 380.0, 1.0], [388.0, 390.0, 1.0]];
+        let flat = Flat::new(0, corners, [true; 3]).expect("it has area");
+        let [left, right] = flat.span(0, SIDE);
+        let [low, high] = flat.rows(SIDE);
+        let looked: usize = (low..high)
+            .map(|row| {
+                let [from, to] = flat.columns(row, [left, right]);
+                to - from
+            })
+            .sum();
+        assert!(looked < 10 * SIDE, "{looked} samples");
+    }
+
+    #[test]
+    fn all_samples_inside_are_looked_at() {
+        const SIDE: usize = 24;
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Halves, so that corners and sides meet samples.
+            f64::from(state >> 26) * 0.5 - 4.0
+        };
+        for _ in 0..2000 {
+            let corners = [0; 3].map(|_| [next(), next(), 1.0]);
+            let Some(flat) = Flat::new(0, corners, [true; 3]) else { continue };
+            let [a, b, c] = flat.corners;
+            let span = flat.span(0, SIDE);
+            for row in 0..SIDE {
+                let [from, to] = flat.columns(row, span);
+                for column in (span[0]..span[1]).filter(|column| !(from..to).contains(column)) {
+                    let sample = [column as f64 + 0.5, row as f64 + 0.5, 0.0];
+                    let turns = [[b, c], [c, a], [a, b]].map(|[from, to]| turn(from, to, sample));
+                    assert!(turns.iter().any(|&turn| turn < 0.0), "{corners:?} {sample:?}");
+                }
+            }
+        }
+    }
 }

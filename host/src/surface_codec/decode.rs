@@ -143,6 +143,9 @@ impl<'a> File<'a> {
         let unknown = |vertex: usize, component: usize| self.unknown(&cuts, vertex, component);
         let shape = Shape { header: &self.header, hierarchy: &self.hierarchy };
         let positions = shape.points(&self.numbers, &unknown);
+        if !positions.iter().all(|point| point.is_finite()) {
+            return Err(DecodeError::Malformed { what: "its coordinates are too large" });
+        }
         Ok(SubdivisionSurface { positions, ..self.surface.clone() })
     }
 

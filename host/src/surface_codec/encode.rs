@@ -164,6 +164,9 @@ impl<'a> Encoder<'a> {
         let header = Header { step, ..self.header.clone() };
         let (numbers, points) =
             Shape { header: &header, hierarchy: self.hierarchy }.quantize(&self.coefficients)?;
+        if !points.iter().all(|point| point.is_finite()) {
+            return Err(EncodeError::Precision { asked: step });
+        }
         Ok(Quantized { deviation: self.deviation(&points), header, numbers })
     }
 
@@ -182,6 +185,9 @@ impl<'a> Encoder<'a> {
             .iter()
             .map(|point| Point::from_array(point.map(|value| f64::from(value) * unit)))
             .collect();
+        if !points.iter().all(|point| point.is_finite()) {
+            return Err(EncodeError::Precision { asked: unit });
+        }
         lossless::forward(header.basis, self.hierarchy, &mut numbers);
         Ok(self.file(Quantized { header, numbers, deviation: self.deviation(&points) }))
     }
@@ -220,7 +226,12 @@ impl<'a> Encoder<'a> {
         let mut file = self.lossy(step)?;
         while file.bytes.len() < bytes && file.deviation.rms > 1e-9 * (high - low).length() {
             step /= 2.0;
-            file = self.lossy(step)?;
+            match self.lossy(step) {
+                Ok(finer) => file = finer,
+                // Files hold nothing finer.
+                Err(EncodeError::Range { .. }) => break,
+                Err(error) => return Err(error),
+            }
         }
         file.bytes.truncate(bytes.max(file.base_bytes));
         Ok(file)

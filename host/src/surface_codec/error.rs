@@ -36,8 +36,8 @@ pub enum EncodeError {
         /// Which.
         vertex: usize,
     },
-    /// The precision asked for is zero, negative or not finite.
-    #[error("the precision {asked} is not a positive number")]
+    /// The precision asked for is zero, negative, not finite, or so coarse that coordinates overflow.
+    #[error("the precision {asked} is not a positive number of moderate size")]
     Precision {
         /// What was asked for.
         asked: f64,

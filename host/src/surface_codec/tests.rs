@@ -159,6 +159,31 @@ fn a_budget_of_bytes_is_kept() {
 }
 
 #[test]
+fn a_budget_beyond_all_precision_gives_the_finest_file() {
+    let mut surface = surface(rings(1), 1);
+    // So far off that steps are at their finest long before the file is as precise as numbers are.
+    surface.positions.iter_mut().for_each(|point| *point += 1e7);
+    let file = encode(&surface, &Settings::new(Precision::Bytes(1 << 30))).unwrap();
+    assert!(matches!(
+        encode(&surface, &Settings::new(Precision::Step(file.step / 2.0))),
+        Err(EncodeError::Range { .. })
+    ));
+    assert_eq!(decode(&file.bytes, Limits::default()).unwrap().positions.len(), surface.positions.len());
+}
+
+#[test]
+fn coordinates_that_overflow_are_refused_on_both_ways() {
+    let good = surface(rings(1), 1);
+    let refused = encode(&good, &Settings::new(Precision::Step(1e308))).unwrap_err();
+    assert_eq!(refused, EncodeError::Precision { asked: 1e308 });
+    let file = encode(&good, &Settings::new(Precision::Step(0.1))).unwrap();
+    let (mut header, length) = header::Header::parse(&file.bytes).unwrap();
+    header.step = f64::MAX;
+    let bytes = [&header.to_bytes(), &file.bytes[length..]].concat();
+    assert!(matches!(decode(&bytes, Limits::default()), Err(DecodeError::Malformed { .. })));
+}
+
+#[test]
 fn a_region_is_as_in_the_whole() {
     let surface = surface(rings(6), 4);
     let settings = Settings { faces_per_region: NonZeroU32::new(8), ..Settings::new(Precision::Rms(1e-4)) };

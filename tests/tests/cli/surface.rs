@@ -94,6 +94,49 @@ fn meshes_are_built_too() {
 }
 
 #[test]
+fn what_was_asked_for_is_at_fault_and_not_the_file() {
+    let folder = folder();
+    folder.run(&format!("surface build balls.raw balls.wsurf --iso 128 --share 0.05 {LAYOUT}")).ok();
+    folder.run(&format!("surface extract balls.raw contour.ply --iso 128 {LAYOUT}")).ok();
+    folder.run(&format!("surface distance balls.raw distance.nrrd --iso 128 {LAYOUT}")).ok();
+    let before = folder.everything();
+    let build = format!("surface build balls.raw out.wsurf --iso 128 {LAYOUT}");
+    let lines = [
+        format!("{build} --share 0"),
+        format!("{build} --levels 99"),
+        format!("{build} --tolerance nan"),
+        format!("{build} --rms 0"),
+        format!("surface build balls.raw out.ply --iso 128 {LAYOUT}"),
+        "surface encode balls.wsurf out.obj".to_owned(),
+        "surface encode balls.wsurf out.wsurf --step 1e308".to_owned(),
+        "surface encode balls.wsurf out.wsurf --unit 1e-12".to_owned(),
+        "surface wrap contour.ply distance.nrrd out.wsurf --levels 40".to_owned(),
+        "surface wrap contour.ply distance.nrrd out.glb".to_owned(),
+        "surface decode balls.wsurf out.ply --region 0".to_owned(),
+        "surface compare balls.wsurf balls.wsurf --cell 0".to_owned(),
+        "surface tables balls.wsurf --cell 0".to_owned(),
+    ];
+    for line in lines {
+        folder.run(&line).fails(2, &[]);
+    }
+    assert_eq!(folder.everything(), before);
+    folder.run("surface encode balls.wsurf fine.wsurf --bytes 100000000").ok();
+}
+
+#[test]
+fn the_wavelet_of_surfaces_is_the_one_that_help_tells() {
+    let folder = folder();
+    folder.run(&format!("surface build balls.raw balls.wsurf --iso 128 --share 0.05 {LAYOUT}")).ok();
+    let help = folder.run("surface encode --help");
+    assert!(help.stdout().contains("Wavelets [default: bicubic]"), "{}", help.stdout());
+    for how in ["--unit 0.01", "--rms 0.01"] {
+        folder.run(&format!("surface encode balls.wsurf default.wsurf {how}")).ok();
+        folder.run(&format!("surface encode balls.wsurf named.wsurf {how} --wavelet bicubic")).ok();
+        assert_eq!(folder.read("default.wsurf"), folder.read("named.wsurf"), "{how}");
+    }
+}
+
+#[test]
 fn faults_are_told_and_nothing_is_written() {
     let folder = folder();
     folder.write("broken.wsurf", b"wavelift? no");
@@ -122,6 +165,10 @@ fn faults_are_told_and_nothing_is_written() {
     ];
     for line in data {
         folder.run(&line).fails(3, &[]);
+    }
+    for step in ["extract balls.raw out.ply", "distance balls.raw out.nrrd", "build balls.raw out.wsurf"] {
+        let slice = folder.run(&format!("surface {step} --iso 128 --extent 720x22x1 --type u8"));
+        slice.fails(3, &["720x22x1"]);
     }
     folder.run("surface decode missing.wsurf out.ply").fails(4, &["missing.wsurf"]);
     assert_eq!(folder.everything(), before);

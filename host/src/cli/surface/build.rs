@@ -6,12 +6,11 @@ use std::time::Duration;
 use wavelift_host::field::ScalarField;
 use wavelift_host::measure::SurfaceDistance;
 use wavelift_host::mesh::Report;
-use wavelift_host::pipeline::{self, BuildOptions, Built, Source, Stage};
-use wavelift_host::surface_codec;
+use wavelift_host::pipeline::{self, BuildError, BuildOptions, Built, Source, Stage};
 use wavelift_host::volume::{self, Fault, WriteOptions};
 
 use super::encode::{self, How};
-use super::file::{bad, is_mesh, read_field, read_mesh, write_bytes, write_mesh};
+use super::file::{self, is_mesh, read_field, read_mesh, refuse_mesh, write_bytes, write_mesh};
 use super::wrap;
 use crate::cli::exit::Failure;
 use crate::cli::input::{RawArgs, refuse_same_file};
@@ -69,6 +68,7 @@ pub(crate) struct Args {
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
+    refuse_mesh(&args.output)?;
     let field = field(args)?;
     let source = match (&field, args.iso) {
         (Some(field), Some(iso)) => Source::Isosurface(field, iso),
@@ -86,14 +86,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         tell(format_args!("{:9} {:8.2} s", stage.name(), time.as_secs_f64()));
         times.push(format!("{} {:.2} s", stage.name(), time.as_secs_f64()));
     };
-    let built = pipeline::build(source, &options, &mut observe).map_err(|error| bad(&args.input, error))?;
+    let built = pipeline::build(source, &options, &mut observe)
+        .map_err(|error| Failure::at(&args.input, fault(&error), error))?;
     if let Some(folder) = &args.keep {
         keep(folder, &built)?;
     }
     let surface = &built.wrapped.surface;
     let cell = built.distance.grid().cell_edge();
-    let encoded = surface_codec::encode(surface, &args.how.settings(FINE * cell));
-    let encoded = encoded.map_err(|error| bad(&args.input, error))?;
+    let encoded = file::encode(&args.input, surface, &args.how.settings(FINE * cell))?;
     write_bytes(&args.output, &encoded.bytes)?;
     let fit = fit(&built, cell);
     print(&format!(
@@ -104,6 +104,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         times.join(", "),
         encode::text(&args.output, surface, &encoded),
     ))
+}
+
+/// Whether what was asked for is at fault, or INPUT.
+fn fault(error: &BuildError) -> Fault {
+    match error {
+        BuildError::Share { .. } => Fault::Usage,
+        BuildError::Wrap(error) => wrap::fault(error),
+        _ => Fault::Data,
+    }
 }
 
 /// The field, if INPUT is a volume.

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use serde_json::json;
 use wavelift_host::measure::{Deviation, Distortion, SurfaceDistance};
 use wavelift_host::mesh::Report;
+use wavelift_host::volume::Fault;
 
-use super::file::{bad, read_level};
+use super::file::{length, read_level};
 use crate::cli::exit::Failure;
 use crate::cli::output::{print, print_json};
 
@@ -30,7 +31,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 400_000)]
     samples: usize,
     /// Edge of a cell, to tell distances in percent of
-    #[arg(long, value_name = "E")]
+    #[arg(long, value_name = "E", value_parser = length)]
     cell: Option<f64>,
     /// Write one JSON document instead of text
     #[arg(long)]
@@ -46,8 +47,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let (first, _) = read_level(&args.first, level_of(&args.first))?;
     let (second, _) = read_level(&args.second, level_of(&args.second))?;
     let distance = SurfaceDistance::between(&first.triangulated(), &second.triangulated(), args.samples);
-    let distance =
-        distance.ok_or_else(|| bad(&args.first, "one of the surfaces has no area: there is no distance"))?;
+    let distance = distance.ok_or_else(|| {
+        let (first, second) = (args.first.display(), args.second.display());
+        let what = format_args!(
+            "{first} or {second} has no area, or none that can be measured: there is no distance"
+        );
+        Failure::new(Fault::Data, what)
+    })?;
     if args.json {
         let way = |deviation: &Deviation| json!({ "mean": deviation.mean, "rms": deviation.rms, "max": deviation.max });
         return print_json(&json!({

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use wavelift_host::mesh::{PolygonMesh, Report};
 use wavelift_host::subdivision::{Hierarchy, SubdivisionSurface, limit};
-use wavelift_host::surface_codec::{self, Limits};
+use wavelift_host::surface_codec::{self, DecodeError, Limits};
 use wavelift_host::volume::Fault;
 
 use super::file::{bad, read_bytes, refuse_level, refuse_other_than_mesh, write_mesh};
@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// Reads no more than the first N bytes
     #[arg(long, value_name = "N")]
     bytes: Option<usize>,
-    /// Decodes only region R of a surface that was encoded by regions, and writes its faces
+    /// Decodes only region R, the first being 0, of a surface that was encoded by regions, and writes its faces
     #[arg(long, value_name = "R", conflicts_with = "bytes")]
     region: Option<usize>,
     /// Moves vertices to where endless bicubic subdivision would
@@ -54,7 +54,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         }
         Some(region) => {
             let decoded = surface_codec::decode_region(&bytes, region, Limits::default());
-            decoded.map_err(|error| bad(&args.input, error))?
+            decoded.map_err(|error| match error {
+                DecodeError::Region { .. } => Failure::at(&args.input, Fault::Usage, error),
+                _ => bad(&args.input, error),
+            })?
         }
     };
     let level = args.level.unwrap_or(surface.levels);

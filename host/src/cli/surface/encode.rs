@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use wavelift_host::subdivision::SubdivisionSurface;
-use wavelift_host::surface_codec::{self, Encoded, Precision, Settings};
+use wavelift_host::surface_codec::{Encoded, Precision, Settings};
 use wavelift_host::surface_wavelet::Basis;
 
-use super::file::{bad, read_surface, write_bytes};
+use super::file::{self, read_surface, refuse_mesh, write_bytes};
 use crate::cli::exit::Failure;
 use crate::cli::input::refuse_same_file;
 use crate::cli::output::print;
@@ -45,7 +45,7 @@ pub(super) struct How {
     /// Coordinates rounded to multiples of U, then without loss
     #[arg(long, value_name = "U")]
     unit: Option<f64>,
-    /// Wavelets [default: bicubic, without loss bilinear]
+    /// Wavelets [default: bicubic]
     #[arg(long, value_name = "W", value_parser = bases())]
     wavelet: Option<Basis>,
     /// Codes runs of N faces of the base mesh on their own, so that each can be decoded alone
@@ -72,9 +72,9 @@ impl How {
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
+    refuse_mesh(&args.output)?;
     let surface = read_surface(&args.input)?;
-    let encoded = surface_codec::encode(&surface, &args.how.settings(fine(&surface)));
-    let encoded = encoded.map_err(|error| bad(&args.input, error))?;
+    let encoded = file::encode(&args.input, &surface, &args.how.settings(fine(&surface)))?;
     write_bytes(&args.output, &encoded.bytes)?;
     print(&text(&args.output, &surface, &encoded))
 }

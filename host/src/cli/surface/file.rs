@@ -8,7 +8,7 @@ use std::path::Path;
 use wavelift_host::field::ScalarField;
 use wavelift_host::mesh::{self, MeshFormat, PolygonMesh, Surface, TriangleMesh};
 use wavelift_host::subdivision::SubdivisionSurface;
-use wavelift_host::surface_codec::{self, Encoded, Limits, Precision, Settings};
+use wavelift_host::surface_codec::{self, EncodeError, Encoded, Limits, Precision, Settings};
 use wavelift_host::surface_wavelet::Basis;
 use wavelift_host::volume::{Fault, in_words};
 
@@ -32,7 +32,13 @@ pub(super) fn is_surface(path: &Path) -> bool {
 /// Reads a field from a volume.
 pub(super) fn read_field(path: &Path, raw: &RawArgs) -> Result<ScalarField, Failure> {
     let volume = read_volume(path, raw.layout(None)?.as_ref())?;
-    ScalarField::from_volume(&volume).map_err(|error| bad(path, error))
+    let field = ScalarField::from_volume(&volume).map_err(|error| bad(path, error))?;
+    let [x, y, z] = field.grid().extent;
+    if [x, y, z].contains(&1) {
+        let what = format_args!("is {x}x{y}x{z}: a surface takes two samples or more along x, y and z");
+        return Err(bad(path, what));
+    }
+    Ok(field)
 }
 
 /// Reads triangles.
@@ -60,6 +66,38 @@ pub(super) fn refuse_other_than_mesh(path: &Path) -> Result<(), Failure> {
         Fault::Usage,
         "is no name of a mesh: end it with .ply, .obj, .stl, .off, .gltf or .glb",
     ))
+}
+
+/// Refuses the name of a mesh for a surface before any work is done: what is written is no mesh.
+pub(super) fn refuse_mesh(path: &Path) -> Result<(), Failure> {
+    if !is_mesh(path) {
+        return Ok(());
+    }
+    Err(Failure::at(
+        path,
+        Fault::Usage,
+        "is the name of a mesh, and a surface is to be written: end it with .wsurf, and make meshes of it with decode",
+    ))
+}
+
+/// Takes a length above 0.
+pub(super) fn length(text: &str) -> Result<f64, &'static str> {
+    let length = text.parse().ok().filter(|length: &f64| length.is_finite() && *length > 0.0);
+    length.ok_or("a number above 0")
+}
+
+/// Encodes a surface that came from `path`.
+pub(super) fn encode(
+    path: &Path,
+    surface: &SubdivisionSurface,
+    settings: &Settings,
+) -> Result<Encoded, Failure> {
+    surface_codec::encode(surface, settings).map_err(|error| match error {
+        EncodeError::Precision { .. } | EncodeError::Range { .. } | EncodeError::Levels { .. } => {
+            Failure::at(path, Fault::Usage, error)
+        }
+        _ => bad(path, error),
+    })
 }
 
 /// Reads the file of a surface, or its first `most` bytes.

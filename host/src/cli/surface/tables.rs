@@ -10,7 +10,7 @@ use wavelift_host::subdivision::{Hierarchy, SubdivisionSurface};
 use wavelift_host::surface_wavelet::{Basis, Norms, forward, inverse, keep_largest};
 use wavelift_host::volume::Fault;
 
-use super::file::read_surface;
+use super::file::{length, read_surface};
 use crate::cli::exit::Failure;
 use crate::cli::output::{print, print_json};
 
@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// Surface: .wsurf
     input: PathBuf,
     /// Edge of a cell of the volume that the surface came from: errors are in percent of it
-    #[arg(long, value_name = "E", default_value_t = 1.0)]
+    #[arg(long, value_name = "E", default_value_t = 1.0, value_parser = length)]
     cell: f64,
     /// Samples on each surface, about
     #[arg(long, value_name = "N", default_value_t = 400_000)]

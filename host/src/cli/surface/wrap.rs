@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use wavelift_host::measure::Bvh;
 use wavelift_host::mesh::{FeatureAngles, Features};
-use wavelift_host::wrap::{Lines, Target, WrapOptions, WrapReport, wrap};
+use wavelift_host::volume::Fault;
+use wavelift_host::wrap::{Lines, Target, WrapError, WrapOptions, WrapReport, wrap};
 
-use super::file::{bad, encode_exactly, read_field, read_mesh, read_polygons, write_bytes};
+use super::file::{encode_exactly, read_field, read_mesh, read_polygons, refuse_mesh, write_bytes};
 use crate::cli::exit::Failure;
 use crate::cli::input::{RawArgs, refuse_same_file};
 use crate::cli::output::print;
@@ -48,6 +49,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.base, &args.output)?;
     refuse_same_file(&args.distance, &args.output)?;
+    refuse_mesh(&args.output)?;
     let mut base = read_polygons(&args.base)?;
     let angles = args.sharp.map(|edge| FeatureAngles { edge, ..FeatureAngles::default() });
     if let Some(angles) = angles {
@@ -65,10 +67,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         options.target = Target::Triangles(tree);
         options.lines = Some(lines);
     }
-    let wrapped = wrap(&base, &distance, &options).map_err(|error| bad(&args.base, error))?;
+    let wrapped =
+        wrap(&base, &distance, &options).map_err(|error| Failure::at(&args.base, fault(&error), error))?;
     let encoded = encode_exactly(&args.output, &wrapped.surface)?;
     write_bytes(&args.output, &encoded.bytes)?;
     print(&text(&wrapped.report))
+}
+
+/// Whether what was asked for is at fault, or a file.
+pub(super) const fn fault(error: &WrapError) -> Fault {
+    match error {
+        WrapError::TooManyVertices { .. } | WrapError::Option { .. } => Fault::Usage,
+        _ => Fault::Data,
+    }
 }
 
 /// What wrapping came to, level by level, in percent of a cell's edge.
