@@ -20,9 +20,9 @@ const PER_AXIS: [(&str, &str); 10] = [
 ];
 
 /// What fills the place of an unknown axis in this field; `None` if the field has no entries per axis.
-pub(super) ///
+///
 /// Time behind all other axes is a `list`, as other programs read it.
-fn filler(name: &str, axis: Axis, is_last: bool) -> Option<&'static str> {
+pub(super) fn filler(name: &str, axis: Axis, is_last: bool) -> Option<&'static str> {
     let (found, filler) = PER_AXIS.into_iter().find(|(known, _)| is_same_name(known, name))?;
     Some(match axis {
         _ if found != "kinds" => filler,

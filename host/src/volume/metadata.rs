@@ -164,7 +164,7 @@ impl Metadata {
                 true => entry.to_owned(),
                 false => self
                     .axis_entry(name, *found)
-                    .or_else(|| filler(name, *found))
+                    .or_else(|| filler(name, *found, self.axes.last() == Some(found)))
                     .unwrap_or("none")
                     .to_owned(),
             })

@@ -72,6 +72,11 @@ impl Border {
         Point::from_array(held)
     }
 
+    /// The longest side of the box.
+    pub(super) fn longest_side(&self) -> f64 {
+        (self.corners[1] - self.corners[0]).max_element()
+    }
+
     /// How far outside the box a point is.
     pub(super) fn excess(&self, point: Point) -> f64 {
         point.distance(point.clamp(self.corners[0], self.corners[1]))

@@ -5,8 +5,9 @@ use super::{WrapError, WrapOptions};
 use crate::field::ScalarField;
 use crate::mesh::{Faces, PolygonMesh};
 
-/// How far outside the field the base mesh may be, in cells: what simplification may have pushed over the border.
-const MOST_OUTSIDE: f64 = 1.0;
+/// How far outside the field the base mesh may be, as a part of the field's longest side. Simplification keeps volumes,
+/// and so pushes the corners of large faces beyond a curved surface, and over the border.
+const MOST_OUTSIDE: f64 = 0.25;
 
 /// Looks at the distance field.
 pub(super) fn field(distance: &ScalarField) -> Result<(), WrapError> {
@@ -39,7 +40,7 @@ pub(super) fn base(mesh: &PolygonMesh, space: &Space) -> Result<(), WrapError> {
             return Err(WrapError::VertexNotFinite { vertex });
         }
         let distance = space.border.excess(place);
-        if distance > MOST_OUTSIDE * space.cell {
+        if distance > MOST_OUTSIDE * space.border.longest_side() {
             return Err(WrapError::OutsideField { vertex, distance });
         }
     }
