@@ -371,7 +371,7 @@ fn axes_that_the_lines_do_not_speak_of_are_filled_in() {
     sink.finish().unwrap();
     let (found, _) = read_values(&fs::read(&path).unwrap());
     assert_eq!((found.extent, found.components, found.steps), (header.extent, 7, 2));
-    let lines = [field("spacings", "nan 1 2 3 nan"), field("kinds", "vector domain domain domain time")];
+    let lines = [field("spacings", "nan 1 2 3 nan"), field("kinds", "vector domain domain domain list")];
     assert_eq!(found.metadata.lines, lines);
     assert_eq!(found.metadata.spacing(), Some([1.0, 2.0, 3.0]));
 }
