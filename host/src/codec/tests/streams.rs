@@ -231,9 +231,8 @@ fn every_damaged_byte_of_many_components_is_noticed() {
 fn damaged_metadata_leave_the_samples_as_they_are() {
     let volume = generate(Kind::Waves, [16, 8, 4], ElementType::U16, 1);
     let (stored, _) = store(&volume, &small_bricks("none", None));
-    let place = Scanner::new(&stored.bytes).map(|found| found.unwrap());
-    let place =
-        place.filter(|found| matches!(found.content, Some(Content::Metadata(_)))).next().unwrap().bytes;
+    let mut place = Scanner::new(&stored.bytes).map(|found| found.unwrap());
+    let place = place.find(|found| matches!(found.content, Some(Content::Metadata(_)))).unwrap().bytes;
     let mut damaged = stored.bytes.clone();
     damaged[place.end as usize - 1] ^= 1;
     let container = open(&damaged);
