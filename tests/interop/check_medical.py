@@ -186,8 +186,16 @@ def check_itk(check):
                 sitk.WriteImage(image, str(folder / f"a.{one}"), useCompression=compress)
                 packed = ["--gzip"] if other in ("mha", "mhd", "nrrd", "nhdr") and kind in ("i2", "f4") else []
                 check.run("convert", folder / f"a.{one}", folder / f"b.{other}", *packed)
+                if len(shape) == 2 and one.startswith("nii") and other in ("nrrd", "nhdr"):
+                    # A slice that lies in space, which ITK does not read from NRRD.
+                    found, _ = nrrd.read(str(folder / f"b.{other}"), index_order="C")
+                    same(found, data, what)
+                    continue
                 found = sitk.ReadImage(str(folder / f"b.{other}"))
                 values = sitk.GetArrayFromImage(found)
+                if len(shape) == 4 and not is_vector and found.GetNumberOfComponentsPerPixel() > 1:
+                    # ITK takes the steps of a `list` for components of the samples.
+                    values = np.moveaxis(values, -1, 0)
                 expected = sitk.GetArrayFromImage(sitk.ReadImage(str(folder / f"a.{one}")))
                 same(values.reshape(expected.shape), expected, what)
                 if image.GetDimension() == 3:

@@ -5,7 +5,7 @@ mod temporary;
 mod tree;
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 pub use folder::AtomicFolder;
@@ -100,6 +100,22 @@ impl AtomicFile {
                 Ok(())
             }
         }
+    }
+}
+
+impl AtomicFile {
+    /// Writes over bytes that were written before, such as a length that is known only now, and goes back to the end.
+    /// Does nothing where bytes go straight into a device or a pipe, and are gone.
+    ///
+    /// # Errors
+    ///
+    /// When the system cannot write.
+    pub(crate) fn overwrite(&mut self, position: u64, bytes: &[u8]) -> io::Result<()> {
+        let Target::Replaced { file, .. } = &mut self.target else { return Ok(()) };
+        file.seek(SeekFrom::Start(position))?;
+        file.write_all(bytes)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok(())
     }
 }
 

@@ -15,7 +15,7 @@ use super::{Axis, ByteOrder, FileFormat};
 /// [`axes`](Self::axes), in their order: where a file has axes of components or time between or beside those of space,
 /// so has the field. What is asked for here ([`spacing`](Self::spacing), [`directions`](Self::directions), …) is about
 /// x, y and z alone, wherever they stand. A format without such axes may list x, y and z alone although samples have
-/// components; [`lines_for`](Self::lines_for) fills in the others.
+/// components; writing fills in the others.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Metadata {
     /// Axes of the file, fastest first. Those of space, one to three, are in the order x, y, z: a slice comes back as

@@ -230,6 +230,17 @@ impl Write for Writer {
     }
 }
 
+/// Ends a zlib stream, and writes its length where digits wait for it.
+fn finish_zlib(mut encoder: ZlibEncoder<AtomicFile>, size_at: Option<u64>) -> io::Result<AtomicFile> {
+    encoder.try_finish()?;
+    let bytes = encoder.total_out();
+    let mut file = encoder.finish()?;
+    if let Some(position) = size_at {
+        file.overwrite(position, format!("{bytes:020}").as_bytes())?;
+    }
+    Ok(file)
+}
+
 /// A sink of samples into one file in the order of [`Header`].
 pub(super) struct StoredSink {
     writer: Writer,
@@ -239,6 +250,8 @@ pub(super) struct StoredSink {
     written: u64,
     /// A file to appear after this one, such as a detached header.
     next: Option<(AtomicFile, PathBuf)>,
+    /// Where twenty digits wait for the number of compressed bytes.
+    size_at: Option<u64>,
 }
 
 impl StoredSink {
@@ -256,12 +269,25 @@ impl StoredSink {
             Encoding::Gzip => Writer::Gzip(GzEncoder::new(file, level)),
             Encoding::Zlib => Writer::Zlib(ZlibEncoder::new(file, level)),
         };
-        Self { writer, path: path.to_owned(), header: header.clone(), byte_order, written: 0, next: None }
+        Self {
+            writer,
+            path: path.to_owned(),
+            header: header.clone(),
+            byte_order,
+            written: 0,
+            next: None,
+            size_at: None,
+        }
     }
 
     /// Puts bytes before the values, compressed with them; they are not counted as values.
     pub(super) fn write_head(&mut self, head: &[u8]) -> Result<(), WriteError> {
         self.writer.write_all(head).map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
+    }
+
+    /// Writes the number of compressed bytes, in twenty digits, at that byte of the file when it is known.
+    pub(super) fn with_size_at(self, position: u64) -> Self {
+        Self { size_at: Some(position), ..self }
     }
 
     /// Lets `file` appear at `path` when the samples have, and takes the samples back if it cannot.
@@ -278,7 +304,7 @@ impl Sink for StoredSink {
     }
 
     fn finish(self: Box<Self>) -> Result<(), WriteError> {
-        let Self { writer, path, header, written, next, .. } = *self;
+        let Self { writer, path, header, written, next, size_at, .. } = *self;
         let expected = header.bytes().unwrap_or(u64::MAX);
         if written != expected {
             return Err(WriteError::SampleBytes { path, expected, found: written });
@@ -286,7 +312,7 @@ impl Sink for StoredSink {
         let file = match writer {
             Writer::Raw(file) => Ok(file),
             Writer::Gzip(encoder) => encoder.finish(),
-            Writer::Zlib(encoder) => encoder.finish(),
+            Writer::Zlib(encoder) => finish_zlib(encoder, size_at),
         };
         file.and_then(AtomicFile::commit).map_err(|cause| WriteError::Io { path: path.clone(), cause })?;
         let Some((file, next)) = next else { return Ok(()) };

@@ -94,10 +94,20 @@ impl Format for MetaImage {
         let axes = axes_of(header);
         let (mut text, losses) = header_text(header, &axes, order, encoding);
         if !has_extension(path, &["mhd"]) {
+            // ITK needs the length of compressed samples that lie behind a header; it is known at the end only.
+            let size_at = (encoding == Encoding::Zlib).then(|| {
+                text += "CompressedDataSize = ";
+                let digits = text.len() as u64;
+                text += "00000000000000000000\n";
+                digits
+            });
             text += "ElementDataFile = LOCAL\n";
             let mut file = AtomicFile::create(path).map_err(fault)?;
             file.write_all(text.as_bytes()).map_err(fault)?;
-            let sink = StoredSink::new(file, path, header, encoding, order);
+            let mut sink = StoredSink::new(file, path, header, encoding, order);
+            if let Some(digits) = size_at {
+                sink = sink.with_size_at(digits);
+            }
             return Ok(Created { sink: ordered_sink(sink, path, header, &axes)?, losses });
         }
         let data = path.with_extension(if options.gzip { "zraw" } else { "raw" });
