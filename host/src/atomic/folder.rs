@@ -97,13 +97,14 @@ fn move_file(folder: &Path, to: &Path) -> io::Result<()> {
     fs::rename(folder.join(to.file_name().unwrap_or_default()), to)
 }
 
-/// Lets the storage keep the names in a folder, where the system can do so.
-fn sync(folder: &Path) {
+/// Lets the storage keep the names in a folder. They are in their place already, and not every system can do this.
+pub(super) fn sync(folder: &Path) {
     if let Ok(folder) = fs::File::open(folder) {
         let _ = folder.sync_all();
     }
 }
 
+/// Mode for a new folder, from which the system takes what the umask forbids.
 #[cfg(unix)]
 pub(super) fn new_folder_mode() -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt;

@@ -93,10 +93,7 @@ impl AtomicFile {
                 file.sync_all()?;
                 drop(file);
                 temporary.persist(&path)?;
-                if let Ok(folder) = File::open(folder_of(&path)) {
-                    // The file is in its place already, and not every system can do this.
-                    let _ = folder.sync_all();
-                }
+                folder::sync(folder_of(&path));
                 Ok(())
             }
         }

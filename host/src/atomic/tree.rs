@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use tempfile::TempDir;
 
-use super::folder::new_folder_mode;
+use super::folder::{new_folder_mode, sync};
 use super::temporary::{Name, names};
 use super::{behind_links, folder_of};
 
@@ -83,10 +83,7 @@ impl AtomicTree {
                 false => fs::rename(folder.path(), &path)?,
             }
         }
-        if let Ok(around) = File::open(folder_of(&path)) {
-            // The folder is in its place already, and not every system can do this.
-            let _ = around.sync_all();
-        }
+        sync(folder_of(&path));
         // What has the temporary name now is the old folder, if there was one.
         let removed = folder.close();
         drop(name);
