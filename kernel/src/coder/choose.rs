@@ -64,7 +64,7 @@ impl Choosing<'_> {
         let [first, rest] = [Planes::First, Planes::Others].map(|planes| {
             let Some(taps) = Taps::new(self.plan, self.subband, planes) else { return Weights::ZERO };
             count = count.saturating_add(u64::try_from(taps.weights()).unwrap_or(0));
-            training.train(&taps, self.coefficients, self.scratch)
+            training.train(&taps, self.coefficients, self.scratch, 1)
         });
         (Predictor::Trained(first, rest), count)
     }

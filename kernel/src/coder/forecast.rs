@@ -81,8 +81,8 @@ const LOWER_HALF: i32 = 0xFFFF;
 /// Copies `row` to `padded`, `width` wide, with its first and last coefficient repeated on either side.
 pub(super) fn pad(row: &[i32], width: usize, padded: &mut [i32], part: impl Fn(i32) -> i32) {
     let (Some(&first), Some(&last)) = (row.first(), row.last()) else { return padded.fill(0) };
-    let (before, rest) = padded.split_at_mut_checked(REACH).unwrap_or_default();
-    before.fill(part(first));
+    let Some((before, rest)) = padded.split_first_chunk_mut::<REACH>() else { return };
+    *before = [part(first); REACH];
     let inside = row.len().min(width).min(rest.len());
     let (within, after) = rest.split_at_mut_checked(inside).unwrap_or_default();
     for (place, &coefficient) in within.iter_mut().zip(row) {
@@ -92,7 +92,7 @@ pub(super) fn pad(row: &[i32], width: usize, padded: &mut [i32], part: impl Fn(i
 }
 
 /// Adds the weighted windows of a padded row to `sums`.
-fn add(sums: &mut [i32], padded: &[i32], reach: usize, weights: &[i16]) {
+pub(super) fn add(sums: &mut [i32], padded: &[i32], reach: usize, weights: &[i16]) {
     let row = padded.get(REACH.wrapping_sub(reach)..).unwrap_or(&[]);
     if cfg!(feature = "small") {
         for (&weight, from) in weights.iter().zip(0..) {
@@ -182,8 +182,14 @@ impl West {
     /// The prediction that the sums before a coefficient amount to.
     #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, sum: i32) -> Expected {
+        Expected::of_scaled(self.complete(sum))
+    }
+
+    /// The sum with what the row's own last coefficients add.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    pub(super) fn complete(&self, sum: i32) -> i32 {
         let products = self.weights.iter().zip(self.last).map(|(weight, last)| weight.wrapping_mul(last));
-        Expected::of_scaled(products.fold(sum, i32::wrapping_add))
+        products.fold(sum, i32::wrapping_add)
     }
 
     /// The same where coefficients have more than 16 bits.
@@ -196,7 +202,7 @@ impl West {
     }
 
     #[cfg_attr(not(feature = "small"), inline(always))]
-    const fn push(&mut self, coefficient: i32) {
+    pub(super) const fn push(&mut self, coefficient: i32) {
         let [a, b, _] = self.last;
         self.last = [coefficient, a, b];
     }

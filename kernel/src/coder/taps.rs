@@ -33,11 +33,11 @@ enum Source {
 
 /// The columns -`reach` to `reach` of a row, which lies that many rows and planes away.
 #[derive(Clone, Copy, Debug)]
-struct RowTaps {
+pub(super) struct RowTaps {
     source: Source,
-    down: isize,
-    deep: isize,
-    reach: usize,
+    pub(super) down: isize,
+    pub(super) deep: isize,
+    pub(super) reach: usize,
 }
 
 const fn own(down: isize, deep: isize, reach: usize) -> RowTaps {
@@ -53,7 +53,7 @@ const fn sibling(orientation: u8) -> RowTaps {
 }
 
 /// For samples, and the low-pass part: those of the same plane first.
-const SAMPLES: [RowTaps; 11] = [
+pub(super) const SAMPLES: [RowTaps; 11] = [
     own(-1, 0, 3),
     own(-2, 0, 2),
     own(-3, 0, 1),
@@ -131,7 +131,7 @@ impl Known<'_> {
 
 impl RowTaps {
     /// Weights of a row.
-    const fn len(&self) -> usize {
+    pub(super) const fn len(&self) -> usize {
         self.reach.wrapping_mul(2).wrapping_add(1)
     }
 }

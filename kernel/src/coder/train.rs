@@ -71,8 +71,15 @@ impl Training {
         width.saturating_add(2 * REACH).saturating_mul(2)
     }
 
-    /// The weights that suit the coefficients of a subband, learnt from some of them.
-    pub(super) fn train(&mut self, taps: &Taps, coefficients: &[i32], scratch: &mut [i32]) -> Weights {
+    /// The weights that suit the coefficients of a subband, learnt from some of them: in the last round from every row
+    /// that is trained on, before it from one in `sparse` of these.
+    pub(super) fn train(
+        &mut self,
+        taps: &Taps,
+        coefficients: &[i32],
+        scratch: &mut [i32],
+        sparse: usize,
+    ) -> Weights {
         let ([width, height, _], planes) = (taps.subband.sides, taps.numbers());
         let every = width.wrapping_mul(height).wrapping_mul(planes.len()).div_ceil(trained_on(taps)) | 1;
         // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
@@ -85,7 +92,8 @@ impl Training {
             self.right.fill(0);
             let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
             let known = (round > 0).then_some(&*used);
-            for place in rows.clone() {
+            let is_last = round == ROUNDS - 1;
+            for place in rows.clone().step_by(if is_last { 1 } else { sparse.max(1) }) {
                 self.add_row(taps, coefficients, place, (shift, known), scratch);
             }
             self.solve(used);
@@ -414,7 +422,7 @@ mod tests {
 
     fn trained(plan: &Plan, planes: Planes, samples: &[i32]) -> Weights {
         let taps = Taps::new(plan, plan.subbands(0).next().unwrap(), planes).unwrap();
-        { Training::NEW }.train(&taps, samples, &mut [0; 256])
+        { Training::NEW }.train(&taps, samples, &mut [0; 256], 1)
     }
 
     /// Noise of -2048 to 2047.

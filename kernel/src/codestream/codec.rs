@@ -33,6 +33,10 @@ pub enum Effort<'a> {
     /// Predictions and tables of frequencies that the codestream brings, for plans without levels and bricks or slices
     /// of 2^14 samples or more that span at most 19 bits: the quickest both ways. As [`Effort::Fast`] for others.
     Tabled,
+    /// As [`Effort::Tabled`], with predictions from as many samples as [`Effort::Default`], trained in memory lent by the
+    /// caller, for samples that span at most 16 bits: nearly as short as that, and much quicker. As [`Effort::Default`]
+    /// for others.
+    Wide(&'a mut Training),
     /// Predictors without weights.
     Fast,
     /// Predictors trained on the samples, in memory lent by the caller.
@@ -56,12 +60,22 @@ impl Effort<'_> {
         Feature::Trained.is_built() && !matches!(self, Self::Tabled | Self::Fast)
     }
 
+    /// What tabled codestreams predict from, if it writes any.
+    const fn tabled(&mut self) -> Option<tabled::Means<'_>> {
+        match self {
+            Self::Tabled => Some(tabled::Means::Narrow),
+            Self::Wide(training) => Some(tabled::Means::Wide(training)),
+            _ => None,
+        }
+    }
+
     /// What it takes that this build has not.
     const fn missing(&self) -> Option<Feature> {
         match self {
             Self::Default(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
             Self::Dense(..) if !Feature::Dense.is_built() => Some(Feature::Dense),
-            Self::Tabled if !Feature::Tabled.is_built() => Some(Feature::Tabled),
+            Self::Wide(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
+            Self::Tabled | Self::Wide(_) if !Feature::Tabled.is_built() => Some(Feature::Tabled),
             _ => None,
         }
     }
@@ -139,15 +153,16 @@ impl Codec {
             return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
         }
         if Feature::Tabled.is_built()
-            && matches!(effort, Effort::Tabled)
+            && let Some(means) = effort.tabled()
             && plan.levels() == 0
-            && let Some(span) = tabled::Span::suitable(plan.extent(), coefficients.samples)
+            && let Some(span) = means.suit(plan.extent(), coefficients.samples)
         {
-            let mut writer = SegmentWriter::new(sample_type, plan, Storage::Tabled, out);
+            let storage = if means.are_wide() { Storage::Wide } else { Storage::Tabled };
+            let mut writer = SegmentWriter::new(sample_type, plan, storage, out);
             let Coefficients { samples, scratch, .. } = coefficients;
             let brick = (plan.extent(), span);
             let coded =
-                writer.push_only(|out| tabled::encode(&mut self.memory, brick, samples, scratch, out));
+                writer.push_only(|out| tabled::encode(&mut self.memory, means, brick, samples, scratch, out));
             return coded.and_then(|()| writer.finish()).ok_or(Full { transformed: 0 });
         }
         let mut writer = SegmentWriter::new(sample_type, plan, Storage::Coded, out);
@@ -229,7 +244,7 @@ impl Codec {
             (Storage::Lattice { .. }, _) => return Err(DecodeError::OtherCodec),
             (Storage::Dense, None) => return Err(DecodeError::NeedsDense),
             (Storage::Dense, dense) => dense,
-            (Storage::Coded | Storage::Tabled | Storage::Stored, _) => None,
+            (Storage::Coded | Storage::Tabled | Storage::Wide | Storage::Stored, _) => None,
         };
         if level > plan.levels() {
             return Err(DecodeError::LevelOutOfRange { max: plan.levels() });
@@ -242,11 +257,16 @@ impl Codec {
                 let coded = dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch);
                 Ok(coded.ok_or(Malformed::Segment)?)
             })?;
-        } else if header.storage == Storage::Tabled {
+        } else if let Storage::Tabled | Storage::Wide = header.storage {
+            let is_wide = header.storage == Storage::Wide;
             if !Feature::Tabled.is_built() {
                 return Err(DecodeError::NotBuilt(Feature::Tabled));
             }
-            let decoded = tabled::decode(&mut self.memory, plan.extent(), payload, samples, scratch);
+            if is_wide && !Feature::Trained.is_built() {
+                return Err(DecodeError::NotBuilt(Feature::Trained));
+            }
+            let brick = (plan.extent(), is_wide);
+            let decoded = tabled::decode(&mut self.memory, brick, payload, samples, scratch);
             decoded.ok_or(Malformed::Segment)?;
         } else if header.is_stored() {
             restore(header.sample_type(), payload, samples);
@@ -303,7 +323,9 @@ fn code(
     for subband in coefficients.plan.subbands(resolution) {
         let training = match effort {
             Effort::Tabled | Effort::Fast => None,
-            Effort::Default(training) | Effort::Dense(_, training) => Some(&mut **training),
+            Effort::Wide(training) | Effort::Default(training) | Effort::Dense(_, training) => {
+                Some(&mut **training)
+            }
         };
         let predictor = coefficients.best_predictor(subband, training)?;
         let coder = described(encoder);

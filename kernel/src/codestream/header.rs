@@ -31,6 +31,8 @@ pub(super) enum Storage {
     Dense,
     /// Under weights and tables that it brings, in one segment.
     Tabled,
+    /// The same, with trained weights of more neighbours.
+    Wide,
     /// As they are, little-endian, in one segment.
     Stored,
     /// As residuals of finer and finer lattices, one segment per lattice: no further off than `slack`, in steps that
@@ -73,7 +75,7 @@ impl Header {
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
         let plan = fields.plan(wavelet, storage)?;
-        if matches!(storage, Storage::Dense | Storage::Tabled) && plan.levels() > 0 {
+        if matches!(storage, Storage::Dense | Storage::Tabled | Storage::Wide) && plan.levels() > 0 {
             return Err(Malformed::Levels.into());
         }
         let storage = fields.precision(storage)?;
@@ -120,7 +122,7 @@ impl Header {
         match self.storage {
             Storage::Dense => Dense::scratch_len(&self.plan),
             Storage::Lattice { .. } => Lattice::decoding_scratch_len(self.plan.extent()),
-            Storage::Coded | Storage::Tabled | Storage::Stored => self.plan.scratch_len(),
+            Storage::Coded | Storage::Tabled | Storage::Wide | Storage::Stored => self.plan.scratch_len(),
         }
     }
 
@@ -209,6 +211,7 @@ impl Fields<'_> {
             DENSE => Ok(Storage::Dense),
             LATTICE if !Feature::Lattice.is_built() => Err(DecodeError::NotBuilt(Feature::Lattice)),
             TABLED => Ok(Storage::Tabled),
+            WIDE => Ok(Storage::Wide),
             LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
             _ => Err(Malformed::Reserved.into()),
         }
@@ -267,6 +270,9 @@ const DENSE: u8 = 1;
 
 /// The storage field of samples under tables.
 const TABLED: u8 = 3;
+
+/// The storage field of samples under tables, predicted from more neighbours.
+const WIDE: u8 = 4;
 
 /// The storage field of a lattice.
 const LATTICE: u8 = 2;
@@ -327,6 +333,7 @@ impl Header {
             Storage::Coded => CODED,
             Storage::Dense => DENSE,
             Storage::Tabled => TABLED,
+            Storage::Wide => WIDE,
             Storage::Stored => STORED,
             Storage::Lattice { .. } => LATTICE,
         };

@@ -11,22 +11,25 @@
 
 mod bits;
 mod class;
+mod narrow;
 mod neighbours;
 mod numerals;
-mod predict;
+mod rank;
 mod tables;
 mod token;
 mod train;
+mod wide;
 
 use core::ops::Range;
 
 use self::bits::{BitReader, BitWriter};
-use self::neighbours::{Kind, row_at};
+use self::narrow::Narrow;
+use self::neighbours::row_at;
 use self::numerals::{NumeralReader, NumeralWriter};
-use self::predict::{Prediction, Weights};
 pub(super) use self::tables::Tables;
 pub(super) use self::train::Lessons;
-use super::{Memory, range};
+use self::wide::Wide;
+use super::{Memory, Training, range};
 use crate::Extent;
 use crate::extent::to_usize;
 use crate::memory::copy;
@@ -51,24 +54,41 @@ pub(crate) struct Span {
     span: i32,
 }
 
-impl Span {
-    /// That of samples which are worth coding under tables: of a slice or a brick large enough, and not too far apart.
-    pub(crate) fn suitable(extent: Extent, samples: &[i32]) -> Option<Self> {
+/// What an encoder predicts from.
+#[derive(Debug)]
+pub(crate) enum Means<'a> {
+    /// The nearest samples.
+    Narrow,
+    /// All that trained predictors look at.
+    Wide(&'a mut Training),
+}
+
+impl Means<'_> {
+    /// The span of samples which are worth coding so: of a slice or a brick large enough, and not too far apart.
+    pub(crate) fn suit(&self, extent: Extent, samples: &[i32]) -> Option<Span> {
         let [width, ..] = extent.sides();
         if samples.len() < FEWEST || samples.len() <= width {
             return None;
         }
+        let most_bits = if self.are_wide() { wide::MOST_SPAN_BITS } else { MOST_SPAN_BITS };
         let (lowest, highest) = range(samples);
         let span = highest.wrapping_sub(lowest);
-        (span.cast_unsigned() >> MOST_SPAN_BITS == 0).then_some(Self { lowest, span })
+        (span.cast_unsigned() >> most_bits == 0).then_some(Span { lowest, span })
+    }
+
+    /// Whether a decoder has to know of all that trained predictors look at.
+    pub(crate) const fn are_wide(&self) -> bool {
+        matches!(self, Self::Wide(_))
     }
 }
 
 /// Encodes samples of a span that is suitable into the beginning of `out`, and returns the length of the segment.
 ///
-/// `None` if it does not fit, with `samples` as they were; otherwise they are used up. `scratch` holds a row.
+/// `None` if it does not fit, with `samples` as they were; otherwise they are used up. `scratch` is that of a
+/// plan without levels.
 pub(crate) fn encode(
     memory: &mut Memory,
+    means: Means<'_>,
     (extent, span): (Extent, Span),
     samples: &mut [i32],
     scratch: &mut [i32],
@@ -80,13 +100,18 @@ pub(crate) fn encode(
         return Some(SPAN.end);
     }
     let _ = out.get(EXTRA_LEN)?;
-    let mut brick = Brick::new(extent, span, samples, scratch)?;
-    let weights = brick.train(memory.lessons()?);
-    brick.make_residuals(&weights);
-    let len = brick.write(memory.tables()?, &weights, out);
+    let mut brick = Brick { sides: extent.sides(), values: samples, scratch };
+    let predictor = match means {
+        Means::Narrow => Predictor::Narrow(Narrow::train(memory.lessons()?, brick.sides, span, brick.values)),
+        Means::Wide(training) => {
+            Predictor::Wide(Wide::train(training, extent, span, brick.values, brick.scratch)?)
+        }
+    };
+    brick.make_residuals(&predictor);
+    let len = brick.write(memory.tables()?, &predictor, out);
     if len.is_none() {
         brick.values.iter_mut().for_each(|value| *value &= class::RANKS);
-        brick.make_samples(&weights);
+        brick.make_samples(&predictor);
     }
     len
 }
@@ -94,7 +119,7 @@ pub(crate) fn encode(
 /// Decodes a segment that holds all of `samples`. `None` if the segment is what no encoder writes.
 pub(crate) fn decode(
     memory: &mut Memory,
-    extent: Extent,
+    (extent, is_wide): (Extent, bool),
     bytes: &[u8],
     samples: &mut [i32],
     scratch: &mut [i32],
@@ -107,92 +132,83 @@ pub(crate) fn decode(
         return (bytes.len() == SPAN.end).then_some(());
     }
     let [width, ..] = extent.sides();
-    if span.cast_unsigned() >> MOST_SPAN_BITS != 0 || samples.len() <= width {
+    let most_bits = if is_wide { wide::MOST_SPAN_BITS } else { MOST_SPAN_BITS };
+    if span.cast_unsigned() >> most_bits != 0 || samples.len() <= width {
         return None;
     }
     let extra_len = to_usize(u32::from_le_bytes(field(EXTRA_LEN)?));
     let (extra, rest) = bytes.get(EXTRA_LEN.end..)?.split_at_checked(extra_len)?;
-    let mut brick = Brick::new(extent, Span { lowest, span }, samples, scratch)?;
-    let weights = brick.read(memory.tables()?, extra, rest)?;
-    brick.make_samples(&weights)
+    let span = Span { lowest, span };
+    let mut head = BitReader::new(rest);
+    let predictor = if is_wide {
+        Predictor::Wide(Wide::read(extent, span, &mut head)?)
+    } else {
+        Predictor::Narrow(Narrow::read(extent.sides(), span, &mut head)?)
+    };
+    let mut brick = Brick { sides: extent.sides(), values: samples, scratch };
+    let tables = memory.tables()?;
+    tables.read(&mut head)?;
+    brick.read(tables, extra, rest.get(head.finish()?..)?)?;
+    brick.make_samples(&predictor)
+}
+
+/// What the rows of a brick are predicted by.
+enum Predictor {
+    Narrow(Narrow),
+    Wide(Wide),
 }
 
 /// A brick of samples, or of the ranks of their residuals.
 struct Brick<'a> {
     sides: [usize; 3],
-    span: Span,
     values: &'a mut [i32],
-    /// A row.
     scratch: &'a mut [i32],
 }
 
-/// The weights in a plane, and from plane to plane.
-type BothWeights = [Weights; 2];
-
-impl<'a> Brick<'a> {
-    fn new(extent: Extent, span: Span, values: &'a mut [i32], scratch: &'a mut [i32]) -> Option<Self> {
-        let sides = extent.sides();
-        let [width, ..] = sides;
-        Some(Self { sides, span, values, scratch: scratch.get_mut(..width)? })
-    }
-
+impl Brick<'_> {
     /// Places of the rows, y and z, in the order of coding.
     fn rows(&self) -> impl DoubleEndedIterator<Item = [usize; 2]> + use<> {
         let [_, height, depth] = self.sides;
         (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]))
     }
 
-    /// Kinds of rows that have weights, each with its place among [`BothWeights`].
-    fn weighted(&self) -> impl Iterator<Item = Kind> + use<> {
-        let [_, height, depth] = self.sides;
-        let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
-        kinds.into_iter().filter_map(|(present, kind)| present.then_some(kind))
-    }
-
-    /// The weights that suit the samples.
-    #[cfg_attr(feature = "small", inline(never))]
-    fn train(&mut self, lessons: &mut Lessons) -> BothWeights {
-        let mut weights = Weights::FIRST;
-        for kind in self.weighted() {
-            if let Some(learnt) = lessons.learn(kind, self.sides, self.values) {
-                *kind.of(&mut weights) = learnt;
-            }
-        }
-        weights
-    }
-
     /// Makes ranks of residuals of samples.
     #[cfg_attr(feature = "small", inline(never))]
-    fn make_residuals(&mut self, weights: &BothWeights) -> Option<()> {
-        let prediction = Prediction::new(weights, self.span);
-        for place in self.rows().rev() {
-            let (around, row) = row_at(self.values, self.sides, place)?;
-            prediction.forward(&around, row, self.scratch);
+    fn make_residuals(&mut self, predictor: &Predictor) -> Option<()> {
+        let mut rows = self.rows().rev();
+        let Self { sides, values, scratch } = self;
+        match predictor {
+            Predictor::Narrow(narrow) => {
+                rows.try_for_each(|row| narrow.forward(values, *sides, row, scratch))
+            }
+            Predictor::Wide(wide) => rows.try_for_each(|row| wide.forward(values, row, scratch)),
         }
-        Some(())
     }
 
     /// Undoes [`Brick::make_residuals`].
-    fn make_samples(&mut self, weights: &BothWeights) -> Option<()> {
-        let prediction = Prediction::new(weights, self.span);
-        for place in self.rows() {
-            let (around, row) = row_at(self.values, self.sides, place)?;
-            prediction.inverse(&around, row, self.scratch);
+    fn make_samples(&mut self, predictor: &Predictor) -> Option<()> {
+        let mut rows = self.rows();
+        let Self { sides, values, scratch } = self;
+        match predictor {
+            Predictor::Narrow(narrow) => {
+                rows.try_for_each(|row| narrow.inverse(values, *sides, row, scratch))
+            }
+            Predictor::Wide(wide) => rows.try_for_each(|row| wide.inverse(values, row, scratch)),
         }
-        Some(())
     }
 
     /// Writes the ranks behind the fixed fields; returns the length of the segment.
     ///
     /// The class of each rank stands above it from then on.
     #[cfg_attr(feature = "small", inline(never))]
-    fn write(&mut self, tables: &mut Tables, weights: &BothWeights, out: &mut [u8]) -> Option<usize> {
+    fn write(&mut self, tables: &mut Tables, predictor: &Predictor, out: &mut [u8]) -> Option<usize> {
         let (fixed, rest) = out.split_at_mut_checked(EXTRA_LEN.end)?;
         let mut extra = BitWriter::new(rest);
         for place in self.rows() {
             let (around, row) = row_at(self.values, self.sides, place)?;
-            class::classes(&around, self.scratch);
-            for (value, &class) in row.iter_mut().zip(&*self.scratch) {
+            let classes = self.scratch.get_mut(..row.len())?;
+            class::classes(&around, classes);
+            for (value, &class) in row.iter_mut().zip(&*classes) {
                 let rank = value.cast_unsigned();
                 let (token, bits) = token::of_rank(rank);
                 tables.count(class, token);
@@ -205,7 +221,10 @@ impl<'a> Brick<'a> {
         let extra_len = extra.finish()?;
         copy(&u32::try_from(extra_len).ok()?.to_le_bytes(), fixed.get_mut(EXTRA_LEN)?);
         let mut head = BitWriter::new(rest.get_mut(extra_len..)?);
-        self.weighted().try_for_each(|kind| kind.of(&mut weights.clone()).write(kind, &mut head))?;
+        match predictor {
+            Predictor::Narrow(narrow) => narrow.write(self.sides, &mut head)?,
+            Predictor::Wide(wide) => wide.write(&mut head)?,
+        }
         tables.normalise();
         tables.write(&mut head)?;
         let at = extra_len.wrapping_add(head.finish()?);
@@ -217,47 +236,48 @@ impl<'a> Brick<'a> {
         Some(numerals.finish()?.wrapping_add(at).wrapping_add(EXTRA_LEN.end))
     }
 
-    /// Reads the ranks: `extra` holds their extra bits, `rest` all else.
+    /// Reads the ranks: `extra` holds their extra bits, `numerals` all else.
     #[cfg_attr(feature = "small", inline(never))]
-    fn read(&mut self, tables: &mut Tables, extra: &[u8], rest: &[u8]) -> Option<BothWeights> {
-        let mut head = BitReader::new(rest);
-        let mut weights = Weights::FIRST;
-        for kind in self.weighted() {
-            *kind.of(&mut weights) = Weights::read(kind, &mut head)?;
-        }
-        tables.read(&mut head)?;
-        let mut numerals = NumeralReader::new(rest.get(head.finish()?..)?)?;
+    fn read(&mut self, tables: &Tables, extra: &[u8], numerals: &[u8]) -> Option<()> {
+        let mut numerals = NumeralReader::new(numerals)?;
         let mut extra = BitReader::new(extra);
         for place in self.rows() {
             let (around, row) = row_at(self.values, self.sides, place)?;
-            class::classes(&around, self.scratch);
-            numerals.read_row(tables, self.scratch, row);
+            let classes = self.scratch.get_mut(..row.len())?;
+            class::classes(&around, classes);
+            numerals.read_row(tables, classes, row);
             for rank in row {
                 if let Some((base, bits)) = token::octave(rank.cast_unsigned()) {
                     *rank = (base | extra.take(bits)).cast_signed();
                 }
             }
         }
-        (numerals.is_finished() && extra.is_finished()).then_some(weights)
+        (numerals.is_finished() && extra.is_finished()).then_some(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Codec, DecodeError, Effort, Header, Malformed, Plan, SampleType, Wavelet, max_encoded_len};
+    use crate::{
+        Codec, DecodeError, Effort, Header, Malformed, Plan, SampleType, Training, Wavelet, max_encoded_len,
+    };
 
     extern crate std;
     use std::{boxed::Box, vec, vec::Vec};
 
     fn encode(axes: [u32; 3], sample_type: SampleType, samples: &[i32]) -> Vec<u8> {
+        encode_with(Effort::Tabled, axes, sample_type, samples)
+    }
+
+    fn encode_with(effort: Effort<'_>, axes: [u32; 3], sample_type: SampleType, samples: &[i32]) -> Vec<u8> {
         let extent = Extent::new(axes).unwrap();
         let plan = Plan::new(Wavelet::Haar, extent, 0).unwrap();
         let mut out = vec![0; max_encoded_len(extent, sample_type).unwrap()];
-        let mut scratch = vec![-1; Effort::Tabled.scratch_len(&plan)];
+        let mut scratch = vec![-1; effort.scratch_len(&plan)];
         let mut samples = samples.to_vec();
         let mut codec = Box::new(Codec::NEW);
-        let len = codec.encode(Effort::Tabled, &plan, sample_type, &mut samples, &mut scratch, &mut out);
+        let len = codec.encode(effort, &plan, sample_type, &mut samples, &mut scratch, &mut out);
         out.truncate(len.unwrap());
         out
     }
@@ -298,10 +318,12 @@ mod tests {
         ] {
             for amplitude in [1, 7, 300] {
                 let samples = waves(axes, amplitude);
-                let bytes = encode(axes, SampleType::I16, &samples);
-                assert_eq!(bytes[STORAGE], 3);
-                assert!(bytes.len() < samples.len() * 2, "{axes:?}");
-                assert_eq!(decode(&bytes).as_ref(), Ok(&samples), "{axes:?} {amplitude}");
+                for (effort, storage) in [(Effort::Tabled, 3), (Effort::Wide(&mut { Training::NEW }), 4)] {
+                    let bytes = encode_with(effort, axes, SampleType::I16, &samples);
+                    assert_eq!(bytes[STORAGE], storage);
+                    assert!(bytes.len() < samples.len() * 2, "{axes:?}");
+                    assert_eq!(decode(&bytes).as_ref(), Ok(&samples), "{axes:?} {amplitude}");
+                }
             }
         }
     }

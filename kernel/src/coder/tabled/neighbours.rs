@@ -1,6 +1,6 @@
 //! The rows around a row that are known when it is coded.
 
-use super::{BothWeights, Weights};
+use super::narrow::{BothWeights, Weights};
 
 /// Whether loops are written out for processors without vectors: in small builds, but not where code is sent.
 pub(super) const LOOPS_UNROLLED: bool = cfg!(all(feature = "small", not(target_arch = "wasm32")));
@@ -35,19 +35,29 @@ pub(super) struct Around<'a> {
     pub(super) up_south: &'a [i32],
 }
 
+/// Row y of plane z, and all samples before it, of a brick of `sides`. `None` for no row of the brick.
+pub(super) fn split_at_row(
+    values: &mut [i32],
+    [width, height, _]: [usize; 3],
+    [y, z]: [usize; 2],
+) -> Option<(&[i32], &mut [i32])> {
+    let start = z.wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
+    let (before, row) = values.split_at_mut_checked(start)?;
+    Some((before, row.get_mut(..width)?))
+}
+
 /// Row y of plane z, and those around it, of a brick of `sides`. `None` for no row of the brick.
 #[cfg_attr(not(feature = "small"), inline(always))]
 pub(super) fn row_at(
     values: &mut [i32],
-    [width, height, _]: [usize; 3],
+    sides: [usize; 3],
     [y, z]: [usize; 2],
 ) -> Option<(Around<'_>, &mut [i32])> {
+    let [width, height, _] = sides;
     let plane = width.wrapping_mul(height);
-    let start = z.wrapping_mul(plane).wrapping_add(y.wrapping_mul(width));
-    let (before, row) = values.split_at_mut_checked(start)?;
-    let row = row.get_mut(..width)?;
+    let (before, row) = split_at_row(values, sides, [y, z])?;
     let known = |back: usize| {
-        let from = start.checked_sub(back)?;
+        let from = before.len().checked_sub(back)?;
         before.get(from..from.wrapping_add(width))
     };
     let around = if z > 0 {

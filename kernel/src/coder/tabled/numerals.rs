@@ -4,6 +4,7 @@
 
 use super::tables::{SUM_BITS, Share, Tables};
 use super::{class, token};
+use crate::extent::to_usize;
 use crate::memory::{copy, move_within};
 
 /// Numbers that take turns along a row.
@@ -37,23 +38,23 @@ impl<'a> NumeralWriter<'a> {
         if cfg!(feature = "small") {
             for (x, &value) in values.iter().enumerate().rev() {
                 let state = self.states.get_mut(x & (STATES - 1))?;
-                self.start = write_token(self.out, self.start, share_of(tables, value), state)?;
+                self.start = write_token(self.out, self.start, share_of(tables, value), state);
             }
-            return Some(());
+            return (self.start <= self.out.len()).then_some(());
         }
         let (mut states, mut start) = (self.states, self.start);
         let out = &mut *self.out;
         let (whole, last) = values.as_chunks::<STATES>();
         for (state, &value) in states.iter_mut().zip(last).rev() {
-            start = write_token(out, start, share_of(tables, value), state)?;
+            start = write_token(out, start, share_of(tables, value), state);
         }
         for values in whole.iter().rev() {
             for (state, &value) in states.iter_mut().zip(values).rev() {
-                start = write_token(out, start, share_of(tables, value), state)?;
+                start = write_token(out, start, share_of(tables, value), state);
             }
         }
         (self.states, self.start) = (states, start);
-        Some(())
+        (start <= self.out.len()).then_some(())
     }
 
     /// Moves all to the beginning, the numbers first; returns how many bytes there are.
@@ -77,20 +78,22 @@ fn share_of(tables: &Tables, value: i32) -> Share {
     tables.share(value >> class::PLACE, token::of_rank((value & class::RANKS).cast_unsigned()).0)
 }
 
-/// Writes a token by its share before `start`; returns where the words begin then.
+/// Writes a token by its share before `start`; returns where the words begin then, which is beyond the end of `out`
+/// where there was no room.
+///
+/// The word is stored whether it is due or not, as no processor foresees which.
 #[cfg_attr(not(feature = "small"), inline(always))]
-fn write_token(out: &mut [u8], mut start: usize, share: Share, state: &mut u32) -> Option<usize> {
-    if *state >> (u32::BITS - SUM_BITS) >= share.frequency {
-        let [low, high, ..] = state.to_le_bytes();
-        let from = start.checked_sub(WORD)?;
-        copy(&[low, high], out.get_mut(from..start)?);
-        start = from;
-        *state >>= 16;
+fn write_token(out: &mut [u8], start: usize, share: Share, state: &mut u32) -> usize {
+    let due = u32::from(*state >> (u32::BITS - SUM_BITS) >= share.frequency);
+    let [low, high, ..] = state.to_le_bytes();
+    if let Some(word) = out.get_mut(start.wrapping_sub(WORD)..).and_then(<[u8]>::first_chunk_mut) {
+        *word = [low, high];
     }
-    let quotient = state.checked_div(share.frequency)?;
-    let digit = state.wrapping_sub(quotient.wrapping_mul(share.frequency)).wrapping_add(share.start);
+    let carried = *state >> (due << 4);
+    let quotient = carried.checked_div(share.frequency).unwrap_or(0);
+    let digit = carried.wrapping_sub(quotient.wrapping_mul(share.frequency)).wrapping_add(share.start);
     *state = (quotient << SUM_BITS).wrapping_add(digit);
-    Some(start)
+    start.wrapping_sub(to_usize(due) << 1)
 }
 
 /// Reads tokens.
@@ -118,14 +121,17 @@ impl<'a> NumeralReader<'a> {
         let (whole_classes, last_classes) = classes.as_chunks::<STATES>();
         let (whole_tokens, last_tokens) = tokens.as_chunks_mut::<STATES>();
         for (classes, tokens) in whole_classes.iter().zip(whole_tokens) {
+            let mut ahead = Ahead::at(words, read);
             for (state, (&class, token)) in states.iter_mut().zip(classes.iter().zip(tokens)) {
-                (*token, read) = read_token(words, read, tables, class, state);
+                *token = read_token(&mut ahead, tables, class, state);
             }
+            read = ahead.read;
         }
+        let mut ahead = Ahead::at(words, read);
         for (state, (&class, token)) in states.iter_mut().zip(last_classes.iter().zip(last_tokens)) {
-            (*token, read) = read_token(words, read, tables, class, state);
+            *token = read_token(&mut ahead, tables, class, state);
         }
-        (self.states, self.read) = (states, read);
+        (self.states, self.read) = (states, ahead.read);
     }
 
     /// Whether all words are read, and no more, and the numbers are back at their start.
@@ -134,19 +140,46 @@ impl<'a> NumeralReader<'a> {
     }
 }
 
-/// Reads a token, and where the next word is then.
+/// As many words as the states may take in turn; beyond the end there are zeros.
+struct Ahead {
+    words: u64,
+    read: usize,
+}
+
+impl Ahead {
+    #[inline(always)]
+    fn at(words: &[u8], read: usize) -> Self {
+        let rest = words.get(read..).unwrap_or(&[]);
+        let next = rest.first_chunk().copied().unwrap_or_else(|| {
+            let mut next = [0; WORD * STATES];
+            copy(rest, &mut next);
+            next
+        });
+        Self { words: u64::from_le_bytes(next), read }
+    }
+
+    /// `left` if it is large enough, or else with the next word below it: no processor foresees which, so it costs no
+    /// jump.
+    #[inline(always)]
+    fn fill(&mut self, left: u32) -> u32 {
+        let [low, high, ..] = self.words.to_le_bytes();
+        let is_due = left < LEAST;
+        let filled = left << 16 | u32::from_le_bytes([low, high, 0, 0]);
+        self.words >>= u32::from(is_due) << 4;
+        self.read = self.read.wrapping_add(usize::from(is_due) << 1);
+        if is_due { filled } else { left }
+    }
+}
+
+/// Reads a token.
 #[cfg_attr(not(feature = "small"), inline(always))]
-fn read_token(words: &[u8], mut read: usize, tables: &Tables, class: i32, state: &mut u32) -> (i32, usize) {
+fn read_token(ahead: &mut Ahead, tables: &Tables, class: i32, state: &mut u32) -> i32 {
     const POINTS: u32 = (1 << SUM_BITS) - 1;
     let point = *state & POINTS;
     let (token, share) = tables.find(class, point);
-    *state = share.frequency.wrapping_mul(*state >> SUM_BITS).wrapping_add(point.wrapping_sub(share.start));
-    if *state < LEAST {
-        let word = words.get(read..).and_then(|rest| rest.first_chunk::<WORD>()).copied();
-        *state = *state << 16 | u32::from(u16::from_le_bytes(word.unwrap_or([0; WORD])));
-        read = read.wrapping_add(WORD);
-    }
-    (token.cast_signed(), read)
+    let left = share.frequency.wrapping_mul(*state >> SUM_BITS).wrapping_add(point.wrapping_sub(share.start));
+    *state = ahead.fill(left);
+    token.cast_signed()
 }
 
 #[cfg(test)]

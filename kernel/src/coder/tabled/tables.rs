@@ -139,23 +139,28 @@ impl Tables {
         let class = slot(class);
         let finder =
             self.finder.get(class).and_then(|finder| finder.get(low(point >> FINDER_BITS) & (FINDER - 1)));
-        let mut token = finder.copied().map_or(0, usize::from) & (TOKEN_SLOTS - 1);
+        let first = finder.copied().map_or(0, usize::from) & (TOKEN_SLOTS - 1);
         let starts = self.starts.get(class);
-        let mut found = share(starts, token);
-        while point >= found.start.wrapping_add(found.frequency) && token < TOKENS {
-            token = token.wrapping_add(1);
-            found = share(starts, token);
+        let is_beyond = |token: usize| point >= start_of(starts, token.wrapping_add(1));
+        // Mostly the first or the next: which of them costs no jump.
+        let mut token = first.wrapping_add(usize::from(is_beyond(first)));
+        if is_beyond(token) {
+            token = (token..TOKENS).find(|&token| !is_beyond(token)).unwrap_or(TOKENS);
         }
-        (u32::try_from(token).unwrap_or(0), found)
+        (u32::try_from(token).unwrap_or(0), share(starts, token))
     }
 }
 
 #[cfg_attr(not(feature = "small"), inline(always))]
 fn share(starts: Option<&[u16; TOKEN_SLOTS]>, token: usize) -> Share {
-    let at =
-        |token: usize| starts.and_then(|starts| starts.get(token & (TOKEN_SLOTS - 1))).copied().unwrap_or(0);
-    let (start, end) = (at(token), at(token.wrapping_add(1)));
-    Share { start: start.into(), frequency: end.wrapping_sub(start).into() }
+    let (start, end) = (start_of(starts, token), start_of(starts, token.wrapping_add(1)));
+    Share { start, frequency: end.wrapping_sub(start) }
+}
+
+/// Where the share of a token starts.
+#[cfg_attr(not(feature = "small"), inline(always))]
+fn start_of(starts: Option<&[u16; TOKEN_SLOTS]>, token: usize) -> u32 {
+    starts.and_then(|starts| starts.get(token & (TOKEN_SLOTS - 1))).copied().map_or(0, u32::from)
 }
 
 #[cfg_attr(not(feature = "small"), inline(always))]
@@ -207,7 +212,7 @@ fn fill_finder(starts: &[u16; TOKEN_SLOTS], finder: &mut [u8; FINDER]) {
 
 /// Writes a small change of size: as many ones as its rank, and a zero.
 fn write_step(bits: &mut BitWriter<'_>, step: i32) -> Option<()> {
-    (0..super::predict::rank(step)).try_for_each(|_| bits.put(1, 1))?;
+    (0..super::rank::rank(step)).try_for_each(|_| bits.put(1, 1))?;
     bits.put(0, 1)
 }
 
@@ -219,7 +224,7 @@ fn read_step(bits: &mut BitReader<'_>) -> Option<i32> {
             return None;
         }
     }
-    Some(super::predict::of_rank(rank))
+    Some(super::rank::of_rank(rank))
 }
 
 /// The rank of the largest change of size, from 13 bits to none.

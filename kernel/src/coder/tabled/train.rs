@@ -2,8 +2,8 @@
 
 use core::ops::Range;
 
+use super::narrow::{TAPS, WEIGHT_BITS, Weights};
 use super::neighbours::{Around, Kind, row_at};
-use super::predict::{TAPS, WEIGHT_BITS, Weights};
 use crate::coder::dense::{CHUNK, Chunk, SOLUTION_BITS, Solution, Sums};
 use crate::coder::low_half;
 

@@ -1,8 +1,10 @@
-//! Predictions with fixed weights, row by row, and the residuals that they leave.
+//! Predictions from the nearest samples, row by row, and the residuals that they leave.
 
 use super::bits::{BitReader, BitWriter};
-use super::neighbours::{Around, Kind, add_row, add_three, five};
-use super::{BothWeights, MOST_SPAN_BITS, Span};
+use super::neighbours::{Around, Kind, add_row, add_three, five, row_at};
+use super::rank::{of_rank, rank};
+use super::train::Lessons;
+use super::{MOST_SPAN_BITS, Span};
 
 /// Fraction bits of weights.
 pub(super) const WEIGHT_BITS: u32 = 8;
@@ -75,47 +77,100 @@ impl Weights {
     }
 }
 
+/// The weights in a plane, and from plane to plane.
+pub(super) type BothWeights = [Weights; 2];
+
 /// Predictions of samples, by weights for samples less the lowest.
 #[derive(Debug)]
-pub(super) struct Prediction<'a> {
-    weights: &'a BothWeights,
+pub(super) struct Narrow {
+    weights: BothWeights,
     span: Span,
     /// What the sums of rows of the first plane and of others begin with: half a unit, so that they round, and what takes
     /// the lowest from all samples.
     starts: [i32; 2],
 }
 
-impl<'a> Prediction<'a> {
-    pub(super) fn new(weights: &'a BothWeights, span: Span) -> Self {
+/// Kinds of rows that have weights in a brick of `sides`.
+fn weighted([_, height, depth]: [usize; 3]) -> impl Iterator<Item = Kind> {
+    let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
+    kinds.into_iter().filter_map(|(present, kind)| present.then_some(kind))
+}
+
+impl Narrow {
+    pub(super) fn new(weights: BothWeights, span: Span) -> Self {
         let start = |sum: i32| HALF.wrapping_sub(span.lowest.wrapping_mul(sum));
-        Self { weights, span, starts: weights.each_ref().map(|weights| start(weights.sum())) }
+        Self { starts: weights.each_ref().map(|weights| start(weights.sum())), weights, span }
     }
 
-    /// Makes ranks of residuals of the samples of a row. `sums` is as long as it.
-    pub(super) fn forward(&self, around: &Around<'_>, row: &mut [i32], sums: &mut [i32]) {
-        let weight = self.sum_known(around, sums);
-        let mut west = self.first_west(around);
+    /// Those that suit samples.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(super) fn train(lessons: &mut Lessons, sides: [usize; 3], span: Span, samples: &mut [i32]) -> Self {
+        let mut weights = Weights::FIRST;
+        for kind in weighted(sides) {
+            if let Some(learnt) = lessons.learn(kind, sides, samples) {
+                *kind.of(&mut weights) = learnt;
+            }
+        }
+        Self::new(weights, span)
+    }
+
+    /// Writes the weights.
+    pub(super) fn write(&self, sides: [usize; 3], bits: &mut BitWriter<'_>) -> Option<()> {
+        weighted(sides).try_for_each(|kind| kind.of(&mut self.weights.clone()).write(kind, bits))
+    }
+
+    /// Reads what [`Narrow::write`] wrote; `None` if sums of products could overflow.
+    pub(super) fn read(sides: [usize; 3], span: Span, bits: &mut BitReader<'_>) -> Option<Self> {
+        let mut weights = Weights::FIRST;
+        for kind in weighted(sides) {
+            *kind.of(&mut weights) = Weights::read(kind, bits)?;
+        }
+        Some(Self::new(weights, span))
+    }
+
+    /// Makes ranks of residuals of the samples of row y of plane z. `scratch` holds a row.
+    pub(super) fn forward(
+        &self,
+        values: &mut [i32],
+        sides: [usize; 3],
+        place: [usize; 2],
+        scratch: &mut [i32],
+    ) -> Option<()> {
+        let (around, row) = row_at(values, sides, place)?;
+        let sums = scratch.get_mut(..row.len())?;
+        let weight = self.sum_known(&around, sums);
+        let mut west = self.first_west(&around);
         for (slot, &sum) in row.iter_mut().zip(&*sums) {
             let predicted = self.predicted(sum, weight, west);
             west = *slot;
             *slot = rank(west.wrapping_sub(predicted));
         }
+        Some(())
     }
 
-    /// Makes samples of the ranks of a row. `sums` is as long as it.
-    pub(super) fn inverse(&self, around: &Around<'_>, row: &mut [i32], sums: &mut [i32]) {
-        let weight = self.sum_known(around, sums);
-        let mut west = self.first_west(around);
+    /// Makes samples of the ranks of row y of plane z. `scratch` holds a row.
+    pub(super) fn inverse(
+        &self,
+        values: &mut [i32],
+        sides: [usize; 3],
+        place: [usize; 2],
+        scratch: &mut [i32],
+    ) -> Option<()> {
+        let (around, row) = row_at(values, sides, place)?;
+        let sums = scratch.get_mut(..row.len())?;
+        let weight = self.sum_known(&around, sums);
+        let mut west = self.first_west(&around);
         for (slot, &sum) in row.iter_mut().zip(&*sums) {
             west = self.predicted(sum, weight, west).wrapping_add(of_rank(*slot));
             *slot = west;
         }
+        Some(())
     }
 
     /// The sums over known rows; returns the weight of W.
     #[cfg_attr(not(feature = "small"), inline(always))]
     fn sum_known(&self, around: &Around<'_>, sums: &mut [i32]) -> i32 {
-        let ([plane, brick], [start, brick_start]) = (self.weights, self.starts);
+        let ([plane, brick], [start, brick_start]) = (&self.weights, self.starts);
         match around.kind {
             Kind::First => {
                 sums.fill(HALF.wrapping_sub(self.span.lowest << WEIGHT_BITS));
@@ -152,65 +207,36 @@ impl<'a> Prediction<'a> {
     }
 }
 
-/// 0, 1, -1, 2, -2, … by number.
-#[cfg_attr(not(feature = "small"), inline(always))]
-pub(super) const fn rank(residual: i32) -> i32 {
-    let mirrored = residual.wrapping_neg();
-    (mirrored << 1) ^ (mirrored >> 31)
-}
-
-/// The inverse of [`rank`].
-#[cfg_attr(not(feature = "small"), inline(always))]
-pub(super) const fn of_rank(rank: i32) -> i32 {
-    let mirrored = (rank.cast_unsigned() >> 1).cast_signed() ^ (rank & 1).wrapping_neg();
-    mirrored.wrapping_neg()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn ranks_by_hand() {
-        for (residual, number) in [(0, 0), (1, 1), (-1, 2), (2, 3), (-2, 4), (1 << 19, (1 << 20) - 1)] {
-            assert_eq!((rank(residual), of_rank(number)), (number, residual));
-        }
-    }
-
-    #[test]
     fn predictions_by_hand() {
         let mut weights = Weights::FIRST;
         weights[0] = Weights { west: 128, rows: [0, 0, 128, 64, 0, 0, 0, 0, 0, 0, 0, 0] };
-        let around =
-            Around { kind: Kind::Plane, north: &[10, 20, 30], up: &[], up_north: &[], up_south: &[] };
+        let narrow = Narrow::new(weights, Span { lowest: 0, span: 25 });
         // p = (10 + 10) / 2 + 20 / 4 = 15, (17 + 20) / 2 + 30 / 4 = 26, 25 at most, (20 + 30) / 2 + 30 / 4 = 32.5, 25.
-        let (mut row, mut scratch) = ([17, 20, 25], [0; 3]);
-        let prediction = Prediction::new(&weights, Span { lowest: 0, span: 25 });
-        prediction.forward(&around, &mut row, &mut scratch);
-        assert_eq!(row, [3, 10, 0]);
-        prediction.inverse(&around, &mut row, &mut scratch);
-        assert_eq!(row, [17, 20, 25]);
+        let mut values = [10, 20, 30, 17, 20, 25];
+        narrow.forward(&mut values, [3, 2, 1], [1, 0], &mut [0; 3]).unwrap();
+        assert_eq!(values, [10, 20, 30, 3, 10, 0]);
+        narrow.inverse(&mut values, [3, 2, 1], [1, 0], &mut [0; 3]).unwrap();
+        assert_eq!(values, [10, 20, 30, 17, 20, 25]);
     }
 
     #[test]
     fn the_lowest_is_nothing() {
         let mut weights = Weights::FIRST;
         weights[1].rows[0] = 77;
-        let around = |kind, rows: [&'static [i32]; 2]| {
-            let [north, up] = rows;
-            Around { kind, north, up, up_north: north, up_south: up }
+        let ranks = |place: [usize; 2], lowest: i32| {
+            let narrow = Narrow::new(weights.clone(), Span { lowest, span: 30 });
+            let mut values = [7, 9, 3, 1, 20, 5, 5, 12, 0, 8, 8, 30].map(|sample| sample + lowest);
+            narrow.forward(&mut values, [3, 2, 2], place, &mut [0; 3]).unwrap();
+            let [y, z] = place;
+            values.iter().copied().skip(6 * z + 3 * y).take(3).collect::<heapless::Vec<i32, 3>>()
         };
-        let known = [[&[7, 9, 3][..], &[1, 20, 5]], [&[1007, 1009, 1003], &[1001, 1020, 1005]]];
-        for kind in [Kind::First, Kind::Plane, Kind::Brick] {
-            let [ranks, raised] = [0, 1000].map(|lowest| {
-                let [north, up] = known[usize::from(lowest > 0)];
-                let rows = if kind == Kind::First { [&[][..]; 2] } else { [north, up] };
-                let (mut row, mut sums) = ([5, 12, 0].map(|sample| sample + lowest), [0; 3]);
-                let prediction = Prediction::new(&weights, Span { lowest, span: 30 });
-                prediction.forward(&around(kind, rows), &mut row, &mut sums);
-                row
-            });
-            assert_eq!(ranks, raised);
+        for place in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            assert_eq!(ranks(place, 0), ranks(place, 1000));
         }
     }
 

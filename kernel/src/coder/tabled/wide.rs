@@ -1,0 +1,257 @@
+//! Predictions from the neighbourhood of trained predictors: 43 samples where there is a plane before.
+
+use super::Span;
+use super::bits::{BitReader, BitWriter};
+use super::neighbours::split_at_row;
+use super::rank::{of_rank, rank};
+use crate::coder::forecast::{FRACTION_BITS, Weights, add, pad};
+use crate::coder::taps::{Planes, REACH, RowTaps, SAMPLES, Taps, WEST};
+use crate::coder::{Training, low_half};
+use crate::{Extent, Plan, Wavelet};
+
+/// Bits of a weight in the codestream, with its sign.
+const CODED_BITS: u32 = 12;
+
+/// The largest magnitude of a weight.
+const LARGEST: i16 = (1 << (CODED_BITS - 1)) - 1;
+
+/// The largest sum of magnitudes of weights: sums of products with samples of 16 bits do not overflow.
+const LARGEST_SUM: u32 = 1 << 14;
+
+/// Of the rows that the weights are trained on in the end, so many times fewer are at first.
+const SPARSE: usize = 4;
+
+/// Half of the last bit that is rounded away.
+const HALF: i32 = 1 << (FRACTION_BITS - 1);
+
+/// Bits that samples may span.
+pub(super) const MOST_SPAN_BITS: u32 = 16;
+
+/// What a row's own samples add.
+struct West {
+    weights: [i32; WEST],
+    /// What stands before its first sample.
+    reference: i32,
+}
+
+/// The weights for the first plane and for all others.
+#[derive(Clone, Debug)]
+pub(super) struct Wide {
+    plan: Plan,
+    span: Span,
+    weights: [Weights; 2],
+}
+
+impl Wide {
+    const fn new(extent: Extent, span: Span) -> Option<Self> {
+        match Plan::new(Wavelet::Haar, extent, 0) {
+            Ok(plan) => Some(Self { plan, span, weights: [Weights::ZERO; 2] }),
+            Err(_) => None,
+        }
+    }
+
+    /// Weights that suit samples.
+    pub(super) fn train(
+        training: &mut Training,
+        extent: Extent,
+        span: Span,
+        samples: &[i32],
+        scratch: &mut [i32],
+    ) -> Option<Self> {
+        let mut wide = Self::new(extent, span)?;
+        for number in 0..2 {
+            let Some(taps) = wide.taps(number) else { continue };
+            let mut learnt = training.train(&taps, samples, scratch, SPARSE);
+            learnt.0.iter_mut().for_each(|weight| *weight = (*weight).clamp(-LARGEST, LARGEST));
+            if let Some(slot) = wide.weights.get_mut(number)
+                && are_small(&learnt)
+            {
+                *slot = learnt;
+            }
+        }
+        Some(wide)
+    }
+
+    /// What the weights of the first plane, or of all others, apply to; `None` if there are no such planes.
+    fn taps(&self, number: usize) -> Option<Taps> {
+        let planes = if number == 0 { Planes::First } else { Planes::Others };
+        Taps::new(&self.plan, self.plan.subbands(0).next()?, planes)
+    }
+
+    /// Writes the weights.
+    pub(super) fn write(&self, bits: &mut BitWriter<'_>) -> Option<()> {
+        for (number, weights) in self.weights.iter().enumerate() {
+            let count = self.taps(number).map_or(0, |taps| taps.weights());
+            let mut used = weights.0.iter().take(count);
+            used.try_for_each(|&weight| bits.put(i32::from(weight).cast_unsigned(), CODED_BITS))?;
+        }
+        Some(())
+    }
+
+    /// Reads what [`Wide::write`] wrote; `None` if sums of products could overflow.
+    pub(super) fn read(extent: Extent, span: Span, bits: &mut BitReader<'_>) -> Option<Self> {
+        const SPARE: u32 = u32::BITS - CODED_BITS;
+        let mut wide = Self::new(extent, span)?;
+        for number in 0..2 {
+            let count = wide.taps(number).map_or(0, |taps| taps.weights());
+            let weights = wide.weights.get_mut(number)?;
+            for weight in weights.0.iter_mut().take(count) {
+                *weight = low_half((bits.take(CODED_BITS) << SPARE).cast_signed() >> SPARE);
+            }
+            if !are_small(weights) {
+                return None;
+            }
+        }
+        Some(wide)
+    }
+
+    /// Makes ranks of residuals of the samples of row y of plane z.
+    pub(super) fn forward(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
+        let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
+        let (west, sums, padded) = self.sum_known(before, place, row.len(), scratch)?;
+        let own = padded.get_mut(..row.len().wrapping_add(WEST))?;
+        let (ahead, rest) = own.split_at_mut_checked(WEST)?;
+        ahead.fill(west.reference);
+        rest.copy_from_slice(row);
+        let [a, b, c] = west.weights;
+        for ((slot, &sum), &[third, second, first]) in row.iter_mut().zip(sums).zip(own.array_windows()) {
+            let sum = sum.wrapping_add(a.wrapping_mul(first)).wrapping_add(b.wrapping_mul(second));
+            let predicted = self.predicted(sum.wrapping_add(c.wrapping_mul(third)));
+            *slot = rank(slot.wrapping_sub(predicted));
+        }
+        Some(())
+    }
+
+    /// Makes samples of the ranks of row y of plane z.
+    pub(super) fn inverse(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
+        let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
+        let (west, sums, _) = self.sum_known(before, place, row.len(), scratch)?;
+        let [a, b, c] = west.weights;
+        let [mut first, mut second, mut third] = [west.reference; WEST];
+        for (slot, &sum) in row.iter_mut().zip(sums) {
+            let sum = sum.wrapping_add(b.wrapping_mul(second)).wrapping_add(c.wrapping_mul(third));
+            let predicted = self.predicted(sum.wrapping_add(a.wrapping_mul(first)));
+            (second, third) = (first, second);
+            first = predicted.wrapping_add(of_rank(*slot));
+            *slot = first;
+        }
+        Some(())
+    }
+
+    /// Sums over known rows, what completes them, and memory of a row with [`REACH`] more at either end.
+    fn sum_known<'a>(
+        &self,
+        before: &[i32],
+        place: [usize; 2],
+        width: usize,
+        scratch: &'a mut [i32],
+    ) -> Option<(West, &'a [i32], &'a mut [i32])> {
+        let (padded, rest) = scratch.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
+        let sums = rest.get_mut(..width)?;
+        sums.fill(HALF.wrapping_sub(self.span.lowest << FRACTION_BITS));
+        let Weights([second, third, rest @ ..]) = self.weights.get(usize::from(place[1] > 0))?;
+        let [second, third] = [*second, *third].map(i32::from);
+        let mut total = second.wrapping_add(third);
+        let (mut rest, mut nearest) = (&rest[..], None);
+        for taps in SAMPLES.iter().filter(|taps| self.has(taps, place)) {
+            let (weights, after) = rest.split_at_checked(taps.len())?;
+            rest = after;
+            let Some(row) = self.known(taps, before, place) else { continue };
+            pad(row, width, padded, |sample| sample);
+            add(sums, padded, taps.reach, weights);
+            total = weights.iter().fold(total, |sum: i32, &weight| sum.wrapping_add(weight.into()));
+            // The nearest row comes first: N, or U in the first row of a plane.
+            nearest = nearest.or(row.first());
+        }
+        let first = (1_i32 << FRACTION_BITS).wrapping_sub(total);
+        let reference = nearest.copied().unwrap_or(self.span.lowest);
+        Some((West { weights: [first, second, third], reference }, sums, padded))
+    }
+
+    /// Whether rows have weights in the plane.
+    const fn has(&self, taps: &RowTaps, [_, z]: [usize; 2]) -> bool {
+        let [_, height, _] = self.plan.extent().sides();
+        (taps.down == 0 || height > 1) && (taps.deep == 0 || z > 0)
+    }
+
+    /// One of the rows around row y of plane z; beyond the border stands the nearest. `None` if none is known.
+    fn known<'a>(&self, taps: &RowTaps, before: &'a [i32], [y, z]: [usize; 2]) -> Option<&'a [i32]> {
+        if taps.deep == 0 && y == 0 {
+            return None;
+        }
+        let [width, height, _] = self.plan.extent().sides();
+        let y = y.saturating_add_signed(taps.down).min(height.wrapping_sub(1));
+        let start =
+            z.saturating_add_signed(taps.deep).wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
+        before.get(start..start.wrapping_add(width))
+    }
+
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn predicted(&self, sum: i32) -> i32 {
+        let Span { lowest, span } = self.span;
+        (sum >> FRACTION_BITS).max(0).min(span).wrapping_add(lowest)
+    }
+}
+
+/// Whether no sum of products overflows.
+fn are_small(weights: &Weights) -> bool {
+    weights.0.iter().fold(0, |sum: u32, weight| sum.saturating_add(weight.unsigned_abs().into()))
+        <= LARGEST_SUM
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wide(axes: [u32; 3], lowest: i32, first: &[i16], others: &[i16]) -> Wide {
+        let mut wide = Wide::new(Extent::new(axes).unwrap(), Span { lowest, span: 100 }).unwrap();
+        for (Weights(weights), given) in wide.weights.iter_mut().zip([first, others]) {
+            weights.iter_mut().zip(given).for_each(|(weight, given)| *weight = *given);
+        }
+        wide
+    }
+
+    #[test]
+    fn predictions_by_hand() {
+        // Half of N, half of WW: p = (N + WW) / 2, and before the row N's first.
+        let mut first = [0; 17];
+        (first[0], first[5]) = (128, 128);
+        let wide = wide([4, 2, 1], 0, &first, &[]);
+        let mut values = [10, 20, 30, 40, 12, 14, 16, 18];
+        wide.forward(&mut values, [1, 0], &mut [0; 32]).unwrap();
+        // 12 - 10, 14 - 15, 16 - 21, 18 - 27.
+        assert_eq!(values[4..], [2, -1, -5, -9].map(rank));
+        wide.inverse(&mut values, [1, 0], &mut [0; 32]).unwrap();
+        assert_eq!(values[4..], [12, 14, 16, 18]);
+    }
+
+    #[test]
+    fn the_lowest_is_nothing() {
+        let weights: [i16; 43] = core::array::from_fn(|i| if i % 2 == 0 { 17 } else { -16 });
+        let row = |lowest: i32| {
+            let wide = wide([3, 3, 3], lowest, &weights[..17], &weights);
+            let mut next = 0;
+            let mut values = [0; 27].map(|_: i32| {
+                next = (next + 7) % 31;
+                lowest + next
+            });
+            wide.forward(&mut values, [1, 2], &mut [0; 32]).unwrap();
+            <[i32; 3]>::try_from(&values[21..24]).unwrap()
+        };
+        assert_eq!(row(0), row(i32::MAX - 31));
+        assert_eq!(row(0), row(i32::MIN));
+    }
+
+    #[test]
+    fn large_sums_of_weights_are_refused() {
+        let read = |count: usize| {
+            let mut out = [0; 64];
+            let mut bits = BitWriter::new(&mut out);
+            (0..17).for_each(|i| bits.put(if i < count { 0x800 } else { 0 }, CODED_BITS).unwrap());
+            bits.finish().unwrap();
+            let extent = Extent::new([4, 4, 1]).unwrap();
+            Wide::read(extent, Span { lowest: 0, span: 9 }, &mut BitReader::new(&out)).is_some()
+        };
+        assert_eq!([read(8), read(9)], [true, false]);
+    }
+}
