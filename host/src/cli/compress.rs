@@ -47,8 +47,8 @@ pub(crate) struct Args {
 /// How volumes are compressed.
 #[derive(Debug, clap::Args)]
 pub(crate) struct How {
-    /// Wavelet of the transform; none does without (smallest for sparse, noisy or very smooth volumes), auto takes
-    /// whichever of all makes this volume smallest
+    /// Wavelet of the transform; none does without, which is smallest; auto is none, or with --levels the wavelet that
+    /// makes this volume smallest
     #[arg(long, value_name = "W", default_value = "auto", value_parser = wavelet_choices())]
     pub(crate) wavelet: Choice,
     /// Levels of the transform, each a resolution of half the samples along each axis: auto for as many as a brick

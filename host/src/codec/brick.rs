@@ -7,6 +7,7 @@ use wavelift_kernel::{
 
 use super::choice::Transform;
 use super::content::{BrickLabel, Kept, Place};
+use super::effort::Way;
 use super::grid::per_axis;
 use super::{Effort, Form, Statistics, scaled};
 use crate::bound::{Deviation, Exceptions, Scale};
@@ -20,18 +21,6 @@ pub(super) struct Coding {
     pub(super) form: Form,
     /// How far a sample may move.
     pub(super) error: f64,
-}
-
-impl Coding {
-    /// The efforts that each brick is encoded with, of which the shortest codestream is kept.
-    const fn tried(&self) -> &'static [Effort] {
-        match self.effort {
-            _ if self.form.slack().is_some() => &[Effort::Default],
-            Effort::Fast => &[Effort::Fast],
-            Effort::Default => &[Effort::Default],
-            Effort::Dense => &Effort::ALL,
-        }
-    }
 }
 
 /// The samples of a brick: single values, little-endian, x fastest.
@@ -238,13 +227,15 @@ impl Worker {
             let most = max_encoded_len(extent, sample_type).expect("2^27 samples of 4 bytes fit into memory");
             self.out.resize(most.max(self.out.len()), 0);
             let start = encoded.bytes.len();
-            for &effort in coding.tried() {
+            // A lattice is coded one way only.
+            let ways = coding.form.slack().map_or(usize::MAX, |_| 1);
+            for &way in coding.effort.ways().iter().take(ways) {
                 self.integers.resize(extent.samples(), 0);
                 let split = coding.form.split(element, plane, samples.bytes, &mut self.integers);
                 split.ok_or(Unencodable::Unknown)?;
                 let len = match coding.form.slack() {
                     Some(slack) => self.encode_lattice(Near { extent, sample_type, slack }),
-                    None => self.encode_plane(&coding.transform.plan(extent), sample_type, effort),
+                    None => self.encode_plane(&coding.transform.plan(extent), sample_type, way),
                 };
                 let len = len.expect("the memory lent has the lengths that the kernel asks for");
                 if encoded.bytes.len() == start || len < encoded.bytes.len() - start {
@@ -259,13 +250,8 @@ impl Worker {
     }
 
     /// Encodes `self.integers` into `self.out`; returns the length.
-    fn encode_plane(
-        &mut self,
-        plan: &Plan,
-        sample_type: SampleType,
-        effort: Effort,
-    ) -> Result<usize, EncodeError> {
-        let effort = effort.of_kernel(&mut self.training, &mut self.dense);
+    fn encode_plane(&mut self, plan: &Plan, sample_type: SampleType, way: Way) -> Result<usize, EncodeError> {
+        let effort = way.of_kernel(&mut self.training, &mut self.dense);
         self.scratch.resize(effort.scratch_len(plan).max(self.scratch.len()), 0);
         self.codec.encode(effort, plan, sample_type, &mut self.integers, &mut self.scratch, &mut self.out)
     }

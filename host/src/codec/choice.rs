@@ -10,7 +10,8 @@ use super::CompressError;
 /// What the user asks for: a wavelet, none, or the best.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// Whatever makes a sample of the bricks smallest.
+    /// No transform, which is smallest, unless levels are asked for: then the wavelet that makes a sample of the bricks
+    /// smallest.
     #[default]
     Auto,
     /// No transform: prediction and coding only; levels are made of decoded samples.
@@ -39,12 +40,10 @@ impl Choice {
             Some(0) if matches!(self, Self::Wavelet(_)) => return Err(contradiction(0)),
             _ => {}
         }
-        let every = Wavelet::ALL.map(Some);
         let wavelets = match (self, levels) {
-            (Self::None, _) | (Self::Auto, Some(0)) => vec![None],
+            (Self::None, _) | (Self::Auto, Some(0) | None) => vec![None],
             (Self::Wavelet(wavelet), _) => vec![Some(wavelet)],
-            (Self::Auto, Some(_)) => every.to_vec(),
-            (Self::Auto, None) => [None].into_iter().chain(every).collect(),
+            (Self::Auto, Some(_)) => Wavelet::ALL.map(Some).to_vec(),
         };
         Ok(Candidates { wavelets, levels: levels.unwrap_or(max) })
     }

@@ -9,13 +9,12 @@ use wavelift_kernel::{Dense, Effort as KernelEffort, Training};
 /// How much work a volume is worth. Every effort is decoded by every reader, which need not be told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Effort {
-    /// Quickest: tables that suit a whole brick, and no transform unless one is asked for.
+    /// Quickest: tables that suit a whole brick.
     Fast,
-    /// Predictors trained on each brick, and lattices where samples may move.
+    /// The same with predictors trained on each brick, and lattices where samples may move.
     #[default]
     Default,
-    /// Smallest, and slowest both ways: all that the kernel knows, which it knows of bricks without a transform, and
-    /// larger bricks to learn from.
+    /// Smallest, and slowest both ways: all that the kernel knows, and larger bricks to learn from.
     Dense,
 }
 
@@ -37,15 +36,40 @@ impl Effort {
         self > Self::Fast
     }
 
-    /// What the kernel is asked for, in the memory that it learns in.
-    pub(crate) const fn of_kernel<'a>(
+    /// The ways that a brick is encoded in, of which the shortest is kept.
+    pub(super) const fn ways(self) -> &'static [Way] {
+        match self {
+            Self::Fast => &[Way::Tabled],
+            Self::Default => &[Way::Wide],
+            Self::Dense => &[Way::Adaptive, Way::Dense],
+        }
+    }
+}
+
+/// What the kernel is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Tables, and predictions from the nearest samples.
+    Tabled,
+    /// Tables, and trained predictors.
+    Wide,
+    /// Trained predictors, and distributions that adapt.
+    Adaptive,
+    /// Under what is learnt from all samples before.
+    Dense,
+}
+
+impl Way {
+    /// The kernel's effort, with the memory that it learns in.
+    pub(super) const fn of_kernel<'a>(
         self,
         training: &'a mut Training,
         dense: &'a mut Dense,
     ) -> KernelEffort<'a> {
         match self {
-            Self::Fast => KernelEffort::Tabled,
-            Self::Default => KernelEffort::Default(training),
+            Self::Tabled => KernelEffort::Tabled,
+            Self::Wide => KernelEffort::Wide(training),
+            Self::Adaptive => KernelEffort::Default(training),
             Self::Dense => KernelEffort::Dense(dense, training),
         }
     }

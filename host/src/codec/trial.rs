@@ -1,7 +1,6 @@
 //! Finding out, on parts of a volume, what makes it smallest.
 
 use rayon::prelude::*;
-use wavelift_kernel::Wavelet;
 
 use super::brick::{Coding, Samples, Unencodable, Worker};
 use super::choice::{Candidates, Transform};
@@ -32,9 +31,6 @@ const OF_LATTICES: Share = Share { one_in: 4, fewest: 1 << 18, pieces: 1, most_p
 /// As [`OF_FORMS`], for each wavelet.
 const OF_WAVELETS: Share = Share { one_in: 32, ..OF_FORMS };
 
-/// If psi_1 makes the pieces larger than no transform does, by more than one part in so many, no wavelet is tried.
-const FAR: u64 = 16;
-
 /// Bytes that a packed value takes in the index, about.
 const BYTES_PER_VALUE: u64 = 2;
 
@@ -59,38 +55,26 @@ struct Piece {
 
 impl Trial<'_> {
     /// What makes a few pieces, spread over the volume, smallest: first of the forms that the samples have, then of
-    /// the transforms. `dense` is tried as `default` unless samples may move, as a lattice is its rival.
+    /// the transforms. `default` and `dense` are tried as the effort below, unless samples may move, as a lattice is
+    /// their rival, or there is a transform.
     ///
     /// Codes an eighth of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
-    /// volumes more. Where a lattice is best no wavelet is tried, and where psi_1 is far from it no other.
+    /// volumes more.
     pub(super) fn best(&self, candidates: &Candidates, cut: Cut<'_>) -> Result<Coding, CompressError> {
-        let mut transforms = candidates.transforms();
-        let first = transforms.next().unwrap_or(Transform::NONE);
+        let transforms: Vec<Transform> = candidates.transforms().collect();
+        let first = transforms.first().copied().unwrap_or(Transform::NONE);
         let forms: Vec<Coding> = self.forms(first).into_iter().map(|form| self.coding(first, form)).collect();
         let has_lattices = forms.iter().any(|coding| coding.form.slack().is_some());
         let share = if has_lattices { OF_LATTICES } else { OF_FORMS };
         // With one form there is nothing to be tried.
         let pieces = if forms.len() > 1 { self.pieces(share, cut)? } else { Vec::new() };
         let best = self.smallest(forms, &pieces)?;
-        let rivals: Vec<Coding> = transforms.map(|other| self.coding(other, best.form.clone())).collect();
-        // Numbers of values mean nothing to a transform, a lattice has none, and tables and dense coding are for none.
-        let is_untransformed = best.form.values().is_some() || best.form.slack().is_some();
-        let is_settled = is_untransformed || self.effort != Effort::Default;
-        if rivals.is_empty() || is_settled && first.wavelet.is_none() {
+        if transforms.len() <= 1 {
             return Ok(best);
         }
         let pieces = self.pieces(OF_WAVELETS, cut)?;
-        let mut codings = vec![best];
-        codings.extend(rivals);
-        let probe = codings.iter().position(|coding| coding.transform.wavelet == Some(Wavelet::Linear));
-        if let Some(probe) = probe.filter(|&probe| probe > 0) {
-            codings.swap(1, probe);
-            let costs = self.costs(&codings[..2], &pieces)?;
-            if costs[1] > costs[0] + costs[0] / FAR {
-                return Ok(codings.swap_remove(0));
-            }
-        }
-        Ok(self.smallest(codings, &pieces)?)
+        let codings = transforms.into_iter().map(|transform| self.coding(transform, best.form.clone()));
+        Ok(self.smallest(codings.collect(), &pieces)?)
     }
 
     /// The forms that the samples may be written in.
@@ -143,8 +127,12 @@ impl Trial<'_> {
 
     /// Bytes of `pieces`, and the share that they have in what the index will say of values.
     fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Piece]) -> Result<u64, Unencodable> {
-        let hardest = if self.error > 0.0 { Effort::Dense } else { Effort::Default };
-        let tried = Coding { effort: coding.effort.min(hardest), ..coding.clone() };
+        let effort = match (coding.effort, coding.transform.wavelet) {
+            (effort, _) if self.error > 0.0 => effort,
+            (Effort::Dense, _) | (Effort::Default, Some(_)) => Effort::Default,
+            (Effort::Default | Effort::Fast, _) => Effort::Fast,
+        };
+        let tried = Coding { effort, ..coding.clone() };
         let lengths = pieces.iter().map(|Piece { sides, bytes }| {
             worker.encode(Samples { element: self.element, sides: *sides, bytes }, &tried)
         });
