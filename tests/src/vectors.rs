@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use sha2::{Digest, Sha256};
 use wavelift_kernel::stream::{RowPlan, SlabPlan};
 use wavelift_kernel::{
     Codec, DecodeError, Extent, Header, LengthError, Near, Plan, SampleType, Slice, Wavelet,
@@ -423,7 +422,7 @@ pub fn crc32(samples: &[i32]) -> String {
 /// SHA-256 of bytes in hexadecimal.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hmac_sha256::Hash::hash(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn read(file: &str) -> Result<Vec<u8>, String> {

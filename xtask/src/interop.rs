@@ -6,6 +6,8 @@
 use std::fs;
 use std::path::{Path, PathBuf, absolute};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::Instant;
 
 use crate::shell::{Failures, cargo};
@@ -23,7 +25,10 @@ const SCRATCH: &str = "target/interop";
 const DATA: &str = "../shared/data";
 
 pub(crate) fn run() -> Failures {
-    let failures = cargo(&["build", "--package", "wavelift-host", "--bin", "wavelift"]);
+    prepare();
+    // With the profile of the tests, so that nothing is compiled twice.
+    let program = ["build", "--profile", "test", "--package", "wavelift-host", "--bin", "wavelift"];
+    let failures = cargo(&program);
     if !failures.is_empty() {
         return failures;
     }
@@ -34,8 +39,16 @@ pub(crate) fn run() -> Failures {
     }
 }
 
+/// Begins to install the packages, which takes the network more than the processor. Where it fails, [`run`] tries again
+/// and says why.
+pub(crate) fn prepare() {
+    thread::spawn(environment);
+}
+
 /// The interpreter of an environment that has the packages, which is made anew if their versions changed.
 fn environment() -> Result<PathBuf, String> {
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let python = Path::new(ENVIRONMENT).join("bin/python");
     let list = Path::new(FOLDER).join("requirements.txt");
     let wanted = fs::read_to_string(&list).map_err(|error| format!("{}: {error}", list.display()))?;

@@ -44,9 +44,10 @@ fn row(budgets: &Budgets, run: &Run) -> Result<String, String> {
     };
     let device::Measures { encode, decode, state, scratch, encode_stack, decode_stack, .. } = measures;
     Ok(format!(
-        "| {} | {} | {} / {} / {} | {} + {} | {} / {} | {} / {} |\n",
+        "| {} | {}, {} | {} / {} / {} | {} + {} | {} / {} | {} / {} |\n",
         run.profile,
         run.board,
+        core(&run.target),
         flash("decode")?,
         flash("encode")?,
         flash("both")?,
@@ -57,6 +58,12 @@ fn row(budgets: &Budgets, run: &Run) -> Result<String, String> {
         of_goal(encode, run.encode),
         of_goal(decode, run.decode),
     ))
+}
+
+/// What the processors of a target are called.
+fn core(target: &str) -> &str {
+    let cores = [("thumbv6m", "Cortex-M0"), ("thumbv7em", "Cortex-M4F"), ("riscv32", "RISC-V")];
+    cores.into_iter().find(|(start, _)| target.starts_with(start)).map_or(target, |(_, core)| core)
 }
 
 /// A number, and the goal if that is missed.
@@ -83,6 +90,11 @@ fn thousands(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn targets_are_called_by_their_processors() {
+        assert_eq!(["thumbv7em-none-eabihf", "avr-none"].map(core), ["Cortex-M4F", "avr-none"]);
+    }
 
     #[test]
     fn commas() {

@@ -2,8 +2,6 @@
 
 use std::fmt::Write;
 
-use sha2::{Digest, Sha256};
-
 use super::File;
 use super::source::split_tests;
 use super::text::contains_word;
@@ -39,7 +37,7 @@ fn header_hash(files: &[File]) -> Result<(), String> {
 
 fn hash_line(source: &str) -> String {
     let normal = source.replace("\r\n", "\n");
-    let digest = Sha256::digest(normal.as_bytes()).iter().fold(String::new(), |mut text, byte| {
+    let digest = hmac_sha256::Hash::hash(normal.as_bytes()).iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");
         text
     });

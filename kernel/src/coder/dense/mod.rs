@@ -11,7 +11,7 @@ mod row;
 
 pub(super) use self::equations::{CHUNK, Chunk, Sums, WEIGHT_BITS as SOLUTION_BITS, Weights as Solution};
 use self::equations::{TAPS, Weights};
-use self::neighbours::{BRICK, LINE, PLANE, Surroundings, known_at, taps};
+use self::neighbours::{ANY, BRICK, LINE, PLANE, Surroundings, known_at, taps};
 use self::residual::Models;
 use self::row::{Row, Scale};
 use super::{Coder, range};
@@ -214,13 +214,14 @@ impl Dense {
             let first = surroundings.fill(samples, [y, z], scale.middle())?;
             let start = z.wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
             let values = samples.get_mut(start..start.wrapping_add(width))?;
-            let mut row = Row { around: surroundings.around(y)?, wests: [first; 3], scale };
+            let mut row = Row { known, around: surroundings.around(y)?, wests: [first; 3], scale };
             for (number, from) in (0..width).step_by(layout.chunk.max(1)).enumerate() {
                 let number = quotient(number.wrapping_mul(layout.columns), layout.chunks);
                 let column = self.columns.get(number)?;
                 let range = from..width.min(from.wrapping_add(layout.chunk));
                 let state = (&mut self.models, column, &mut self.chunk);
                 match known {
+                    _ if cfg!(feature = "small") => row.code::<C, ANY>(coder, values, range, state),
                     LINE => row.code::<C, LINE>(coder, values, range, state),
                     PLANE => row.code::<C, PLANE>(coder, values, range, state),
                     _ => row.code::<C, BRICK>(coder, values, range, state),

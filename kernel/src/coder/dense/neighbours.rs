@@ -25,6 +25,8 @@ pub(super) const LINE: u8 = 0;
 pub(super) const PLANE: u8 = 1;
 /// As [`LINE`].
 pub(super) const BRICK: u8 = 2;
+/// Any of them.
+pub(super) const ANY: u8 = 3;
 
 /// What is known before row `y` of plane `z`.
 pub(super) const fn known_at([y, z]: [usize; 2]) -> u8 {
@@ -144,13 +146,13 @@ pub(super) struct Neighbours {
 impl Neighbours {
     /// Those of the sample at `x` of a row with `rows` around and `wests` before it, the nearest last.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn of<const KNOWN: u8>(rows: &[&[i32]; 7], wests: [i32; 3], x: usize) -> Option<Self> {
+    pub(super) fn of(known: u8, rows: &[&[i32]; 7], wests: [i32; 3], x: usize) -> Option<Self> {
         let [www, ww, w] = wests;
         let mut differences = [w; TAPS];
         let [n, nn, nnn, u, un, us, uu] = *rows;
         let n = window(n, x)?;
         let mut last = n[2];
-        match KNOWN {
+        match known {
             LINE => copy(&[ww, www], &mut differences),
             PLANE => {
                 let (nn, nnn) = (window(nn, x)?, window(nnn, x)?);

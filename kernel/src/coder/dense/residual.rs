@@ -124,17 +124,17 @@ impl Models {
         self.lows.as_flattened_mut().fill(Counter::NEW);
     }
 
-    /// What is known of a residual: the prediction in 1/16 of a `span` that begins at 0, the samples `nearest` and the
-    /// errors around. `None` never happens: every class is in its range.
+    /// What is known of a residual: what is `known` before its row, the prediction in 1/16 of a span that begins at 0,
+    /// the samples `nearest` and the errors around. `None` never happens: every class is in its range.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn expect<const KNOWN: u8>(
+    pub(super) fn expect(
         &mut self,
+        (known, level_bits): (u8, u32),
         prediction: i32,
         nearest: [i32; 4],
         errors: &Errors,
-        level_bits: u32,
     ) -> Option<Expected<'_>> {
-        let energy = errors.energy::<KNOWN>();
+        let energy = errors.energy(known);
         let class = energy_class(energy);
         let rounded = prediction.wrapping_add(1 << (FRACTION_BITS - 1));
         let value = rounded >> FRACTION_BITS;
@@ -143,7 +143,7 @@ impl Models {
         let fraction = to_usize(offset.unsigned_abs().min(7));
         let far = nearest.iter().map(|near| (near << FRACTION_BITS).abs_diff(prediction));
         let texture = quarter_octave(far.fold(0, u32::wrapping_add) >> 3).min(TEXTURES - 1);
-        let last = if KNOWN == BRICK { errors.up } else { errors.north_east };
+        let last = if known == BRICK { errors.up } else { errors.north_east };
         let three = [errors.west, errors.north, last]
             .map(|error| if leans_down { error.wrapping_neg() } else { error });
         let level = to_usize((value >> level_bits).clamp(0, LARGEST_LEVEL).cast_unsigned());
@@ -185,12 +185,12 @@ pub(super) struct Errors {
 impl Errors {
     /// About the size of the next error, in 1/16, times 1.03 or so.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    fn energy<const KNOWN: u8>(&self) -> u32 {
+    fn energy(&self, known: u8) -> u32 {
         let size = |error: &i32| error.unsigned_abs();
         let near = [self.west, self.north, self.up].iter().map(size).fold(0, u32::wrapping_add);
         let others = self.others.iter().map(size).fold(size(&self.north_east), u32::wrapping_add);
         let sum = u64::from(near.wrapping_mul(4).wrapping_add(others.wrapping_mul(2)));
-        let [a, b, c, d, ..] = (sum.wrapping_mul(if KNOWN == BRICK { 47 } else { 73 }) >> 10).to_le_bytes();
+        let [a, b, c, d, ..] = (sum.wrapping_mul(if known == BRICK { 47 } else { 73 }) >> 10).to_le_bytes();
         u32::from_le_bytes([a, b, c, d])
     }
 }

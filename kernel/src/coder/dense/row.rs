@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use super::Column;
 use super::equations::{Chunk, SCALED_BITS, TAPS, WEIGHT_BITS, Weights, predict};
-use super::neighbours::{Neighbours, RowAround};
+use super::neighbours::{ANY, Neighbours, RowAround};
 use super::residual::{Errors, FRACTION_BITS, Models};
 use crate::coder::Coder;
 use crate::coder::{low_half, low_word};
@@ -60,6 +60,8 @@ impl Scale {
 /// A row that is coded.
 #[derive(Debug)]
 pub(super) struct Row<'a> {
+    /// What is known before it.
+    pub(super) known: u8,
     pub(super) around: RowAround<'a>,
     /// The three samples before the next one, the nearest last.
     pub(super) wests: [i32; 3],
@@ -67,7 +69,8 @@ pub(super) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Codes the samples of `range`, and gathers in the chunk what they teach.
+    /// Codes the samples of `range`, and gathers in the chunk what they teach. One code for each `KNOWN`, or for all of
+    /// them, which is [`ANY`].
     #[inline(never)]
     pub(super) fn code<C: Coder, const KNOWN: u8>(
         &mut self,
@@ -76,12 +79,13 @@ impl Row<'_> {
         range: Range<usize>,
         (models, column, chunk): (&mut Models, &Column, &mut Chunk),
     ) -> Option<()> {
+        let known = if KNOWN == ANY { self.known } else { KNOWN };
         let (scale, rows) = (self.scale, &self.around.rows);
         let mut wests = self.wests;
         let [errors_north, errors, errors_south] = &mut self.around.errors;
         let [losses_north, losses] = &mut self.around.losses;
         for (x, sample) in range.clone().zip(samples.get_mut(range)?) {
-            let neighbours = Neighbours::of::<KNOWN>(rows, wests, x)?;
+            let neighbours = Neighbours::of(known, rows, wests, x)?;
             let scaled = Scaled::new(&neighbours.differences);
             let [_, second, west] = wests;
             let pair = scaled.predictions(west, column, scale);
@@ -97,9 +101,9 @@ impl Row<'_> {
             let [error_second, error_west, error, up_east] = errors.get_mut(x..)?.first_chunk_mut()?;
             let up_south = *errors_south.get(x.wrapping_add(2))?;
             let others = [north_west, *up_east, up_south, *error_second];
-            let known = Errors { west: *error_west, north, up: *error, north_east, others };
-            let expected =
-                models.expect::<KNOWN>(prediction, neighbours.nearest, &known, scale.level_bits)?;
+            let around = Errors { west: *error_west, north, up: *error, north_east, others };
+            let place = (known, scale.level_bits);
+            let expected = models.expect(place, prediction, neighbours.nearest, &around)?;
 
             let value = expected.code(coder, *sample);
             *sample = value;
