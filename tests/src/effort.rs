@@ -9,6 +9,8 @@ use wavelift_kernel::{Dense, Effort as Lending, Training};
 pub enum Effort {
     /// Predictions and tables that the codestream brings.
     Tabled,
+    /// As that, from as many samples as trained predictors.
+    Wide,
     /// Predictors without weights.
     Fast,
     /// Predictors trained on the samples.
@@ -19,12 +21,13 @@ pub enum Effort {
 
 impl Effort {
     /// Every effort whose codestreams `Codec::decode` decodes.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Tabled];
+    pub const ALL: [Self; 4] = [Self::Fast, Self::Default, Self::Tabled, Self::Wide];
 
     /// Runs with the effort as the kernel has it, and new memory to train in.
     pub fn lend<T>(self, run: impl FnOnce(Lending<'_>) -> T) -> T {
         match self {
             Self::Tabled => run(Lending::Tabled),
+            Self::Wide => run(Lending::Wide(&mut { Training::NEW })),
             Self::Fast => run(Lending::Fast),
             Self::Default => run(Lending::Default(&mut { Training::NEW })),
             Self::Dense => run(Lending::Dense(&mut Box::new(Dense::NEW), &mut { Training::NEW })),

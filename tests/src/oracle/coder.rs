@@ -4,11 +4,11 @@
 //! The encoder chooses nothing: the predictor of each subband, weights included, is given.
 
 pub(super) mod arithmetic;
-mod array;
+pub(super) mod array;
 mod distribution;
 mod first;
 mod header;
-mod predict;
+pub(super) mod predict;
 pub mod rows;
 mod scan;
 mod value;

@@ -4,6 +4,7 @@
 //! The encoder chooses nothing: the weights are given, and the frequencies too or counted.
 
 mod bits;
+mod form;
 mod model;
 mod numerals;
 mod rows;
@@ -11,7 +12,8 @@ mod token;
 
 use super::coder::{Reject, SampleType, number_bytes};
 pub use bits::{BitReader, BitWriter};
-pub use model::{CLASSES, Model, sets};
+pub use form::{Breadth, Form};
+pub use model::{CLASSES, Model};
 use numerals::{Numerals, Symbol};
 use rows::{Rows, class, prediction};
 use token::{TOKENS, Token};
@@ -41,17 +43,17 @@ impl Segment {
         bytes
     }
 
-    /// Cuts a segment of samples of that extent into its fields.
+    /// Cuts a segment of samples of that form into its fields.
     ///
     /// # Errors
     ///
     /// [`Reject::Segment`].
-    pub fn parse(bytes: &[u8], extent: [usize; 3]) -> Result<(Self, Model), Reject> {
+    pub fn parse(bytes: &[u8], form: Form) -> Result<(Self, Model), Reject> {
         let mut fields = Fields(bytes);
         let [lowest, span, extra_length] = [fields.four()?, fields.four()?, fields.four()?];
         let extra = fields.take(extra_length as usize)?.to_vec();
         let mut bits = BitReader::new(fields.0);
-        let model = Model::read(&mut bits, extent)?;
+        let model = Model::read(&mut bits, form)?;
         let rest = bits.finish()?;
         let model_bytes = fields.0[..fields.0.len() - rest.len()].to_vec();
         fields.0 = rest;
@@ -73,10 +75,10 @@ pub fn constant(lowest: i32, span: i32) -> Vec<u8> {
 }
 
 /// The codestream of one segment.
-pub fn codestream(segment: &[u8], extent: [usize; 3], sample_type: SampleType) -> Vec<u8> {
+pub fn codestream(segment: &[u8], form: Form, sample_type: SampleType) -> Vec<u8> {
     let sample_type = SampleType::ALL.iter().position(|&t| t == sample_type).expect("all are listed");
-    let mut bytes = vec![0x77, 0x4C, 2, 3, sample_type as u8, 0];
-    bytes.extend(extent.into_iter().chain([segment.len()]).flat_map(number_bytes));
+    let mut bytes = vec![0x77, 0x4C, 2, form.breadth.storage(), sample_type as u8, 0];
+    bytes.extend(form.extent.into_iter().chain([segment.len()]).flat_map(number_bytes));
     bytes.extend(segment);
     bytes
 }
@@ -95,43 +97,46 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// The samples of a tabled codestream of that extent and type, from its segment alone.
+/// The samples of a tabled codestream of that form and type, from its segment alone.
 ///
 /// # Errors
 ///
 /// [`Reject::Segment`] and [`Reject::Sample`].
-pub fn decode(bytes: &[u8], extent: [usize; 3], sample_type: SampleType) -> Result<Vec<i32>, Reject> {
+pub fn decode(bytes: &[u8], form: Form, sample_type: SampleType) -> Result<Vec<i32>, Reject> {
     let mut fields = Fields(bytes);
     let [lowest, span] = [fields.four()? as i32, fields.four()? as i32];
+    let [width, height, depth] = form.extent;
     let values = match span {
-        0 if fields.0.is_empty() => vec![0; extent.iter().product()],
-        1..0x8_0000 if extent[1] * extent[2] > 1 => decode_values(bytes, extent)?,
+        0 if fields.0.is_empty() => vec![0; width * height * depth],
+        1.. if span < form.breadth.span_limit() && height * depth > 1 => {
+            decode_values(bytes, form)?.values().to_vec()
+        }
         _ => return Err(Reject::Segment),
     };
-    let samples: Vec<i32> = values.into_iter().map(|v| lowest.wrapping_add(v as i32)).collect();
+    let samples: Vec<i32> = values.into_iter().map(|v| lowest.wrapping_add(v)).collect();
     if samples.iter().all(|&v| sample_type.holds(v)) { Ok(samples) } else { Err(Reject::Sample) }
 }
 
 /// The samples less the lowest.
-fn decode_values(bytes: &[u8], extent: [usize; 3]) -> Result<Vec<i64>, Reject> {
-    let (segment, model) = Segment::parse(bytes, extent)?;
-    let ranks = decode_ranks(&segment, &model, extent)?;
-    let mut samples = Rows::new(extent);
-    for (place, rank) in rows::places(extent).zip(&ranks.values) {
-        let p = prediction(&samples, &model, i64::from(segment.span), place);
-        samples.values.push(p + token::value_of_rank(*rank));
+fn decode_values(bytes: &[u8], form: Form) -> Result<Rows, Reject> {
+    let (segment, model) = Segment::parse(bytes, form)?;
+    let ranks = decode_ranks(&segment, &model, form.extent)?;
+    let mut samples = Rows::new(form.extent, Vec::new());
+    for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
+        let p = prediction(&samples, (form.breadth, &model), segment.span, place);
+        samples.push(p + token::value_of_rank(rank.into()));
     }
-    Ok(samples.values)
+    Ok(samples)
 }
 
 fn decode_ranks(segment: &Segment, model: &Model, extent: [usize; 3]) -> Result<Rows, Reject> {
     let mut numerals = Numerals::new(segment.states, &segment.words)?;
     let mut extra = BitReader::new(&segment.extra);
-    let mut ranks = Rows::new(extent);
+    let mut ranks = Rows::new(extent, Vec::new());
     for place in rows::places(extent) {
         let table = &model.tables[class(&ranks, place)];
         let token = numerals.token(place[0] % 4, table)?;
-        ranks.values.push(Token::read(token, &mut extra)?);
+        ranks.push(Token::read(token, &mut extra)?);
     }
     numerals.finish()?;
     if extra.finish()?.is_empty() { Ok(ranks) } else { Err(Reject::Segment) }
@@ -145,12 +150,12 @@ pub fn bounds(samples: &[i32]) -> [i32; 2] {
 }
 
 /// Weights, and frequencies from the counts of the tokens that these samples have.
-pub fn fit(samples: &[i32], extent: [usize; 3], bounds: [i32; 2], weights: Vec<Vec<i64>>) -> Model {
+pub fn fit(samples: &[i32], form: Form, bounds: [i32; 2], weights: Vec<Vec<i64>>) -> Model {
     let mut model = Model { weights, tables: vec![Vec::new(); CLASSES] };
-    let ranks = ranks(samples, extent, bounds, &model);
+    let ranks = ranks(samples, form, bounds, &model);
     let mut counts = vec![vec![0; TOKENS]; CLASSES];
-    for (place, &rank) in rows::places(extent).zip(&ranks.values) {
-        counts[class(&ranks, place)][Token::of(rank).number] += 1;
+    for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
+        counts[class(&ranks, place)][Token::of(rank.into()).number] += 1;
     }
     model.tables = counts.iter().map(|counts| model::frequencies(counts)).collect();
     model
@@ -158,11 +163,11 @@ pub fn fit(samples: &[i32], extent: [usize; 3], bounds: [i32; 2], weights: Vec<V
 
 /// The segment of samples under a smallest sample, a span and a model, whether they are right or not. Panics if a token
 /// has no frequency in its class.
-pub fn encode(samples: &[i32], extent: [usize; 3], bounds: [i32; 2], model: &Model) -> Segment {
-    let ranks = ranks(samples, extent, bounds, model);
+pub fn encode(samples: &[i32], form: Form, bounds: [i32; 2], model: &Model) -> Segment {
+    let ranks = ranks(samples, form, bounds, model);
     let (mut extra, mut symbols) = (BitWriter::default(), Vec::new());
-    for (place, &rank) in rows::places(extent).zip(&ranks.values) {
-        let token = Token::of(rank);
+    for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
+        let token = Token::of(rank.into());
         extra.bits(token.extra_bits, token.extra);
         symbols.push(Symbol::new(place[0] % 4, &model.tables[class(&ranks, place)], token.number));
     }
@@ -171,10 +176,12 @@ pub fn encode(samples: &[i32], extent: [usize; 3], bounds: [i32; 2], model: &Mod
     Segment { lowest, span, extra: extra.bytes, model: model.write().bytes, states, words }
 }
 
-fn ranks(samples: &[i32], extent: [usize; 3], [lowest, span]: [i32; 2], model: &Model) -> Rows {
-    let values = samples.iter().map(|v| i64::from(v.wrapping_sub(lowest))).collect();
-    let samples = Rows { extent, values };
-    let residual = |(place, v): ([usize; 3], &i64)| v - prediction(&samples, model, i64::from(span), place);
-    let residuals = rows::places(extent).zip(&samples.values).map(residual);
-    Rows { extent, values: residuals.map(token::rank_of_value).collect() }
+fn ranks(samples: &[i32], form: Form, [lowest, span]: [i32; 2], model: &Model) -> Rows {
+    let samples = Rows::new(form.extent, samples.iter().map(|v| v.wrapping_sub(lowest)).collect());
+    let mut ranks = Rows::new(form.extent, Vec::new());
+    for (place, &v) in rows::places(form.extent).zip(samples.values()) {
+        let p = prediction(&samples, (form.breadth, model), span, place);
+        ranks.push(token::rank_of_value(i64::from(v) - p));
+    }
+    ranks
 }

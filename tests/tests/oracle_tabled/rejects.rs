@@ -1,12 +1,14 @@
 //! Every row of what a decoder must reject, written by hand.
 
 use conformance::oracle::coder::SampleType;
-use conformance::oracle::tabled::{self, CLASSES, Model, Segment, constant, fit, sets};
+use conformance::oracle::tabled::{self, Breadth, CLASSES, Form, Model, Segment, constant, fit};
 use wavelift_kernel::{DecodeError, Malformed};
 
-use crate::both;
+use crate::{BREADTHS, both};
 
-const EXTENT: [usize; 3] = [5, 3, 2];
+const NARROW: Form = Form { breadth: Breadth::Narrow, extent: [5, 3, 2] };
+
+const WIDE: Form = Form { breadth: Breadth::Wide, ..NARROW };
 
 /// Small and large residuals: extra bits, and several classes.
 fn samples() -> Vec<i32> {
@@ -16,24 +18,35 @@ fn samples() -> Vec<i32> {
 const BOUNDS: [i32; 2] = [0, 200];
 
 /// Each sample by the sample before it.
-fn weights(extent: [usize; 3]) -> Vec<Vec<i64>> {
-    let before = |count| (0..count).map(move |i| if i == 0 { 256 } else { 0 }).collect();
-    sets(extent).into_iter().map(before).collect()
+fn weights(form: Form) -> Vec<Vec<i64>> {
+    // Which is what the wide ones begin with.
+    let first = if form.breadth == Breadth::Narrow { 256 } else { 0 };
+    let before = |count| (0..count).map(move |i| if i == 0 { first } else { 0 }).collect();
+    form.sets().into_iter().map(before).collect()
+}
+
+fn sound_of(form: Form) -> (Segment, Model) {
+    let model = fit(&samples(), form, BOUNDS, weights(form));
+    (tabled::encode(&samples(), form, BOUNDS, &model), model)
 }
 
 fn sound() -> (Segment, Model) {
-    let model = fit(&samples(), EXTENT, BOUNDS, weights(EXTENT));
-    (tabled::encode(&samples(), EXTENT, BOUNDS, &model), model)
+    sound_of(NARROW)
 }
 
 #[track_caller]
-fn refused(segment: &[u8], extent: [usize; 3], sample_type: SampleType, error: Malformed) {
-    assert_eq!(both(segment, extent, sample_type).err(), Some(DecodeError::Malformed(error)));
+fn refused(segment: &[u8], form: Form, sample_type: SampleType, error: Malformed) {
+    assert_eq!(both(segment, form, sample_type).err(), Some(DecodeError::Malformed(error)));
+}
+
+#[track_caller]
+fn wrong_of(form: Form, segment: &Segment) {
+    refused(&segment.bytes(), form, SampleType::U8, Malformed::Segment);
 }
 
 #[track_caller]
 fn wrong(segment: &Segment) {
-    refused(&segment.bytes(), EXTENT, SampleType::U8, Malformed::Segment);
+    wrong_of(NARROW, segment);
 }
 
 /// The sound segment with other bytes of weights and tables.
@@ -43,31 +56,39 @@ fn with_model(model: Vec<u8>) -> Segment {
 
 #[test]
 fn the_sound_one_is_read() {
-    let (segment, _) = sound();
-    assert!(!segment.extra.is_empty() && !segment.words.is_empty());
-    assert_eq!(both(&segment.bytes(), EXTENT, SampleType::U8), Ok(samples()));
+    for form in [NARROW, WIDE] {
+        let (segment, _) = sound_of(form);
+        assert!(!segment.extra.is_empty() && !segment.words.is_empty());
+        assert_eq!(both(&segment.bytes(), form, SampleType::U8), Ok(samples()));
+    }
 }
 
 #[test]
 fn spans() {
-    let (segment, _) = sound();
-    for span in [-1, i32::MIN, 1 << 19, i32::MAX] {
-        wrong(&Segment { span, ..segment.clone() });
+    for form in [NARROW, WIDE] {
+        let (segment, _) = sound_of(form);
+        let limit = form.breadth.span_limit();
+        for span in [-1, i32::MIN, limit, i32::MAX] {
+            wrong_of(form, &Segment { span, ..segment.clone() });
+        }
+        // The same residuals from the same predictions, as none is above 200.
+        let widest = Segment { span: limit - 1, ..segment.clone() };
+        assert_eq!(both(&widest.bytes(), form, SampleType::U8), Ok(samples()));
+        // No byte after a span of 0, but the samples are there.
+        assert_eq!(both(&constant(7, 0), form, SampleType::U8), Ok(vec![7; 30]));
+        refused(&[constant(7, 0), vec![0]].concat(), form, SampleType::U8, Malformed::Segment);
+        wrong_of(form, &Segment { span: 0, ..segment });
     }
-    // No byte after a span of 0, but the samples are there.
-    assert_eq!(both(&constant(7, 0), EXTENT, SampleType::U8), Ok(vec![7; 30]));
-    refused(&[constant(7, 0), vec![0]].concat(), EXTENT, SampleType::U8, Malformed::Segment);
-    wrong(&Segment { span: 0, ..segment });
 }
 
 #[test]
 fn one_row() {
-    for extent in [[30, 1, 1], [1, 1, 1]] {
-        let places = extent.iter().product();
-        assert_eq!(both(&constant(-9, 0), extent, SampleType::I8), Ok(vec![-9; places]));
-        let model = fit(&samples()[..places], extent, BOUNDS, Vec::new());
-        let segment = tabled::encode(&samples()[..places], extent, BOUNDS, &model);
-        refused(&segment.bytes(), extent, SampleType::U8, Malformed::Segment);
+    for (breadth, width) in BREADTHS.into_iter().flat_map(|breadth| [(breadth, 30), (breadth, 1)]) {
+        let form = Form { breadth, extent: [width, 1, 1] };
+        assert_eq!(both(&constant(-9, 0), form, SampleType::I8), Ok(vec![-9; width]));
+        let model = fit(&samples()[..width], form, BOUNDS, weights(form));
+        let segment = tabled::encode(&samples()[..width], form, BOUNDS, &model);
+        refused(&segment.bytes(), form, SampleType::U8, Malformed::Segment);
     }
 }
 
@@ -75,14 +96,14 @@ fn one_row() {
 fn too_large_weights() {
     // W and the middle of N, and of the brick too.
     let limit = |sum: i64| {
-        let mut weights = weights(EXTENT);
+        let mut weights = weights(NARROW);
         for set in &mut weights {
             (set[0], set[3]) = (1024, 1024 - sum);
         }
-        let model = fit(&samples(), EXTENT, BOUNDS, weights.clone());
-        tabled::encode(&samples(), EXTENT, BOUNDS, &model)
+        let model = fit(&samples(), NARROW, BOUNDS, weights.clone());
+        tabled::encode(&samples(), NARROW, BOUNDS, &model)
     };
-    assert_eq!(both(&limit(2048).bytes(), EXTENT, SampleType::U8), Ok(samples()));
+    assert_eq!(both(&limit(2048).bytes(), NARROW, SampleType::U8), Ok(samples()));
     wrong(&limit(2049));
     // The second set alone.
     let (segment, mut model) = sound();
@@ -104,9 +125,33 @@ fn tables() {
     }
 }
 
+#[test]
+fn too_large_wide_weights() {
+    // The set of which planes, and what its magnitudes add up to.
+    let with = |set: usize, sum: i64| {
+        let mut weights = weights(WIDE);
+        weights[set][..8].fill(-2047);
+        weights[set][9] = sum - 8 * 2047;
+        let model = fit(&samples(), WIDE, BOUNDS, weights);
+        tabled::encode(&samples(), WIDE, BOUNDS, &model)
+    };
+    for set in 0..2 {
+        assert_eq!(both(&with(set, 16_384).bytes(), WIDE, SampleType::U8), Ok(samples()));
+        wrong_of(WIDE, &with(set, 16_385));
+    }
+}
+
+/// What the one storage holds is not what the other does.
+#[test]
+fn another_storage() {
+    for (form, other) in [(NARROW, WIDE), (WIDE, NARROW)] {
+        wrong_of(other, &sound_of(form).0);
+    }
+}
+
 /// A table whose bits are given, after weights, for class 0.
 fn with_ones(ones: usize, then: i64) -> Segment {
-    let mut bits = Model { weights: weights(EXTENT), tables: Vec::new() }.write();
+    let mut bits = Model { weights: weights(NARROW), tables: Vec::new() }.write();
     bits.bits(6, 1);
     (0..ones).for_each(|_| bits.bits(1, 1));
     bits.bits(1, then);
@@ -158,7 +203,7 @@ fn states_and_words() {
     let mut fewer = segment.clone();
     fewer.words.pop();
     wrong(&fewer);
-    refused(&[segment.bytes(), vec![0]].concat(), EXTENT, SampleType::U8, Malformed::Segment);
+    refused(&[segment.bytes(), vec![0]].concat(), NARROW, SampleType::U8, Malformed::Segment);
 }
 
 #[test]
@@ -180,9 +225,9 @@ fn samples_outside_the_type() {
     let (segment, _) = sound();
     for (lowest, sample_type) in [(56, SampleType::U8), (-1, SampleType::U8), (-129, SampleType::I8)] {
         let segment = Segment { lowest, ..segment.clone() };
-        refused(&segment.bytes(), EXTENT, sample_type, Malformed::Sample);
+        refused(&segment.bytes(), NARROW, sample_type, Malformed::Sample);
     }
-    refused(&constant(256, 0), EXTENT, SampleType::U8, Malformed::Sample);
+    refused(&constant(256, 0), NARROW, SampleType::U8, Malformed::Sample);
     // What is wrong of the segment comes first.
     let mut both = Segment { lowest: -1, ..segment };
     both.words.push(0);
@@ -193,9 +238,11 @@ fn samples_outside_the_type() {
 #[test]
 fn samples_outside_the_span() {
     for bounds in [[0, 1], [-40, 100], [100, 3]] {
-        let model = fit(&samples(), EXTENT, bounds, weights(EXTENT));
-        let segment = tabled::encode(&samples(), EXTENT, bounds, &model);
-        assert_eq!(both(&segment.bytes(), EXTENT, SampleType::U8), Ok(samples()), "{bounds:?}");
+        for form in [NARROW, WIDE] {
+            let model = fit(&samples(), form, bounds, weights(form));
+            let segment = tabled::encode(&samples(), form, bounds, &model);
+            assert_eq!(both(&segment.bytes(), form, SampleType::U8), Ok(samples()), "{bounds:?}");
+        }
     }
 }
 

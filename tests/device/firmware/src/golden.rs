@@ -101,6 +101,7 @@ fn encoded_len(recipe: Recipe, parts: &mut Parts<'_>) -> Option<Result<usize, En
             let plan = Plan::new(wavelet, Extent::new(extent).ok()?, levels).ok()?;
             let effort = match (effort, efforts) {
                 (Effort::Tabled, _) => Lent::Tabled,
+                (Effort::Wide, Some(efforts)) => Lent::Wide(&mut efforts.training),
                 (Effort::Fast, _) => Lent::Fast,
                 (Effort::Default, Some(efforts)) => Lent::Default(&mut efforts.training),
                 (Effort::Dense, Some(efforts)) => Lent::Dense(&mut efforts.dense, &mut efforts.training),

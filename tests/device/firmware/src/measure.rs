@@ -11,8 +11,9 @@ use crate::meter::Meter;
 const SIDE: u32 = if cfg!(feature = "roomy") { fixture::SIDE } else { 8 };
 
 /// Wavelet, levels and effort.
-const CASES: [(Wavelet, u8, Effort); 9] = [
+const CASES: [(Wavelet, u8, Effort); 10] = [
     (Wavelet::Haar, 0, Effort::Tabled),
+    (Wavelet::Haar, 0, Effort::Wide),
     (Wavelet::Haar, 0, Effort::Fast),
     (Wavelet::Haar, 3, Effort::Fast),
     (Wavelet::Linear, 1, Effort::Fast),
@@ -47,6 +48,9 @@ fn measure(
     let Parts { codec, samples, scratch, bytes, efforts, .. } = parts;
     let lent = match (effort, efforts) {
         (Effort::Tabled, _) if Feature::Tabled.is_built() => Lent::Tabled,
+        (Effort::Wide, Some(efforts)) if Feature::Tabled.is_built() && Feature::Trained.is_built() => {
+            Lent::Wide(&mut efforts.training)
+        }
         (Effort::Fast, _) => Lent::Fast,
         (Effort::Default, Some(efforts)) if Feature::Trained.is_built() => {
             Lent::Default(&mut efforts.training)

@@ -35,6 +35,7 @@ fn encode(brick: &BTreeMap<&str, &str>) -> Result<Vec<u8>, String> {
     let mut training = Box::new(Training::NEW);
     let effort = match brick.get("effort").copied() {
         Some("tabled") => Effort::Tabled,
+        Some("wide") => Effort::Wide(&mut training),
         Some("fast") => Effort::Fast,
         Some("default") => Effort::Default(&mut training),
         _ => return Err(format!("a brick of no effort: {brick:?}")),

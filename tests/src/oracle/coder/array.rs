@@ -1,22 +1,22 @@
 //! Samples and coefficients by their places, and a level as its subbands.
 
 /// A place, counted from the origin of an array; it may lie beyond the borders.
-pub(super) type Place = [isize; 3];
+pub(in crate::oracle) type Place = [isize; 3];
 
 /// Values of an extent, x fastest.
 #[derive(Debug, Clone)]
-pub(super) struct Array {
-    pub(super) extent: [usize; 3],
-    pub(super) values: Vec<i32>,
+pub(in crate::oracle) struct Array {
+    pub(in crate::oracle) extent: [usize; 3],
+    pub(in crate::oracle) values: Vec<i32>,
 }
 
 impl Array {
-    pub(super) fn zeros(extent: [usize; 3]) -> Self {
+    pub(in crate::oracle) fn zeros(extent: [usize; 3]) -> Self {
         Self { extent, values: vec![0; extent.iter().product()] }
     }
 
-    pub(super) const fn is_empty(&self) -> bool {
-        self.values.is_empty()
+    pub(super) fn is_empty(&self) -> bool {
+        self.extent.contains(&0)
     }
 
     /// All places, x fastest, then y, then z.
@@ -44,7 +44,7 @@ impl Array {
     }
 
     /// The value at the place within that is nearest along each axis.
-    pub(super) fn nearest(&self, place: Place) -> i32 {
+    pub(in crate::oracle) fn nearest(&self, place: Place) -> i32 {
         let last = self.extent.map(|n| n.cast_signed() - 1);
         self.at([0, 1, 2].map(|axis| place[axis].clamp(0, last[axis])))
     }

@@ -21,8 +21,8 @@ pub enum Predictor {
 
 /// A prediction p and its offset t.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Prediction {
-    pub(super) p: i32,
+pub(in crate::oracle) struct Prediction {
+    pub(in crate::oracle) p: i32,
     pub(super) t: i32,
 }
 
@@ -39,11 +39,11 @@ struct Row {
 /// A subband and what predicts it: the subbands of its level up to its own, and the low-pass part as number 0. The
 /// coarsest low-pass part is a level of its own, whose only subband it is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scene<'a> {
-    pub(super) level: &'a [Array],
-    pub(super) orientation: usize,
+pub(in crate::oracle) struct Scene<'a> {
+    pub(in crate::oracle) level: &'a [Array],
+    pub(in crate::oracle) orientation: usize,
     /// Whether sums have 32 bits, or else 64.
-    pub(super) narrow: bool,
+    pub(in crate::oracle) narrow: bool,
 }
 
 impl Scene<'_> {
@@ -52,7 +52,7 @@ impl Scene<'_> {
     }
 
     /// The number of weights in each set.
-    pub(super) fn sets(&self) -> Vec<usize> {
+    pub(in crate::oracle) fn sets(&self) -> Vec<usize> {
         let count = |first_plane| {
             let rows = self.rows(first_plane).into_iter().map(|row| 2 * row.reach.unsigned_abs() + 1);
             self.offsets_of_own_row().len() + rows.sum::<usize>()
@@ -106,7 +106,7 @@ impl Scene<'_> {
         self.level[row.source].nearest([x, y + row.down, z + row.deep]).into()
     }
 
-    pub(super) fn predict(&self, predictor: &Predictor, place: Place) -> Prediction {
+    pub(in crate::oracle) fn predict(&self, predictor: &Predictor, place: Place) -> Prediction {
         match predictor {
             Predictor::Fixed(number) => Prediction { p: self.fixed(*number, place), t: 0 },
             Predictor::Weights(sets) => {

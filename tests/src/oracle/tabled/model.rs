@@ -1,6 +1,7 @@
 //! Weights and frequencies, as they are written.
 
 use super::bits::{BitReader, BitWriter};
+use super::form::Form;
 use super::token::{TOKENS, rank_of_value, value_of_rank};
 use crate::oracle::coder::Reject;
 
@@ -13,22 +14,15 @@ pub(super) const SUM: i64 = 4096;
 /// What a codestream says before its residuals.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Model {
-    /// A set for each of [`sets`].
+    /// A set for each of [`Form::sets`].
     pub weights: Vec<Vec<i64>>,
     /// The frequencies of each class.
     pub tables: Vec<Vec<i64>>,
 }
 
-/// The number of weights in each set.
-pub fn sets([_, height, depth]: [usize; 3]) -> Vec<usize> {
-    let plane = if height > 1 { Some(6) } else { None };
-    let brick = if depth > 1 { Some(13) } else { None };
-    plane.into_iter().chain(brick).collect()
-}
-
 impl Model {
-    pub(super) fn read(bits: &mut BitReader<'_>, extent: [usize; 3]) -> Result<Self, Reject> {
-        let weights = sets(extent).into_iter().map(|count| read_set(bits, count));
+    pub(super) fn read(bits: &mut BitReader<'_>, form: Form) -> Result<Self, Reject> {
+        let weights = form.sets().into_iter().map(|count| read_set(bits, count, form.breadth.largest_sum()));
         let weights = weights.collect::<Result<_, _>>()?;
         let tables = (0..CLASSES).map(|_| read_table(bits)).collect::<Result<_, _>>()?;
         Ok(Self { weights, tables })
@@ -43,13 +37,13 @@ impl Model {
     }
 }
 
-fn read_set(bits: &mut BitReader<'_>, count: usize) -> Result<Vec<i64>, Reject> {
+fn read_set(bits: &mut BitReader<'_>, count: usize, largest_sum: i64) -> Result<Vec<i64>, Reject> {
     let mut weights = Vec::new();
     for _ in 0..count {
         let low = bits.bits(12)?;
         weights.push(if low < 2048 { low } else { low - 4096 });
     }
-    if weights.iter().map(|weight| weight.abs()).sum::<i64>() > 2048 {
+    if weights.iter().map(|weight| weight.abs()).sum::<i64>() > largest_sum {
         return Err(Reject::Segment);
     }
     Ok(weights)
