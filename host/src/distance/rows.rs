@@ -15,9 +15,12 @@ const NOWHERE: f32 = 1e18;
 /// neighbours may look at: nodes beyond the grid, which are computed with but lead nowhere.
 #[derive(Debug)]
 pub(super) struct Rows {
-    numbers: Vec<f32>,
+    /// Rows of each plane: memory of planes that are turned is used again at once.
+    planes: Vec<Vec<f32>>,
+    /// Rows of a plane.
+    each: usize,
     /// Nodes of a row.
-    pub(super) nodes: usize,
+    nodes: usize,
 }
 
 /// One row.
@@ -30,63 +33,74 @@ fn stride(nodes: usize) -> usize {
 }
 
 impl Rows {
-    /// Rows of nodes without closest points.
-    pub(super) fn new(rows: usize, nodes: usize) -> Self {
-        let stride = stride(nodes);
-        let mut numbers = vec![NOWHERE; rows * 4 * stride];
-        numbers.par_chunks_mut(4 * stride).for_each(|row| row[3 * stride..].fill(f32::from_bits(NONE)));
-        Self { numbers, nodes }
+    /// Planes of `each` rows of nodes without closest points.
+    pub(super) fn new(planes: usize, each: usize, nodes: usize) -> Self {
+        let planes = (0..planes).into_par_iter().map(|_| plane(each, nodes)).collect();
+        Self { planes, each, nodes }
     }
 
-    /// Numbers of a row.
-    pub(super) fn width(&self) -> usize {
-        4 * stride(self.nodes)
-    }
-
-    /// Row by number.
+    /// Row by number, plane by plane.
     pub(super) fn row(&self, row: usize) -> Row<'_> {
-        Row(&self.numbers[row * self.width()..(row + 1) * self.width()])
+        let width = width(self.nodes);
+        Row(&self.planes[row / self.each][row % self.each * width..][..width])
     }
 
-    /// All rows, `count` at a time.
-    pub(super) fn chunks_mut(&mut self, count: usize) -> rayon::slice::ChunksMut<'_, f32> {
-        let width = self.width();
-        self.numbers.par_chunks_mut(count * width)
+    /// All planes, `count` at a time.
+    pub(super) fn chunks_mut(&mut self, count: usize) -> rayon::slice::ChunksMut<'_, Vec<f32>> {
+        self.planes.par_chunks_mut(count)
     }
 
     /// All rows.
     pub(super) fn all_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
-        let width = self.width();
-        self.numbers.chunks_exact_mut(width)
+        let width = width(self.nodes);
+        self.planes.iter_mut().flat_map(move |plane| plane.chunks_exact_mut(width))
     }
 
     /// Nodes that have a closest point.
     pub(super) fn taken(&self) -> usize {
         let taken = |row: &[f32]| Row(row).triangles(self.nodes).filter(|&triangle| triangle != NONE).count();
-        self.numbers.par_chunks(self.width()).map(taken).sum()
+        let rows = |plane: &Vec<f32>| plane.chunks_exact(width(self.nodes)).map(taken).sum::<usize>();
+        self.planes.par_iter().map(rows).sum()
     }
 
-    /// The same nodes with rows along the second axis, plane by plane of `self.nodes` rows.
-    pub(super) fn turned(self, across: usize) -> Self {
-        let (along, from) = (self.nodes, self.width());
-        let mut turned = Self::new(self.numbers.len() / (from * across) * along, across);
-        let to = turned.width();
-        let planes = self.numbers.par_chunks(from * across);
-        turned.numbers.par_chunks_mut(to * along).zip(planes).for_each(|(turned, plane)| {
-            for (part, source) in [1, 0, 2, 3].into_iter().enumerate() {
-                let (part, source) = (part * stride(across) + 1, source * stride(along) + 1);
-                for first in (0..along).step_by(2 * LANES) {
-                    for x in 0..across {
-                        let nodes = &plane[x * from + source + first..][..(2 * LANES).min(along - first)];
-                        for (place, &number) in (first..).zip(nodes) {
-                            turned[place * to + part + x] = number;
-                        }
-                    }
+    /// The same nodes with rows along the second axis.
+    pub(super) fn turned(self) -> Self {
+        let (each, nodes) = (self.nodes, self.each);
+        let planes = self.planes.into_par_iter().map(|plane| turned(&plane, each, nodes)).collect();
+        Self { planes, each, nodes }
+    }
+}
+
+/// Numbers of a row.
+pub(super) fn width(nodes: usize) -> usize {
+    4 * stride(nodes)
+}
+
+/// Rows of nodes without closest points.
+fn plane(rows: usize, nodes: usize) -> Vec<f32> {
+    let mut plane = vec![NOWHERE; rows * width(nodes)];
+    for row in plane.chunks_exact_mut(width(nodes)) {
+        row[3 * stride(nodes)..].fill(f32::from_bits(NONE));
+    }
+    plane
+}
+
+/// A plane of `nodes` rows of `rows` nodes as one of `rows` rows.
+fn turned(before: &[f32], rows: usize, nodes: usize) -> Vec<f32> {
+    let (from, to) = (width(rows), width(nodes));
+    let mut turned = plane(rows, nodes);
+    for (part, source) in [1, 0, 2, 3].into_iter().enumerate() {
+        let (part, source) = (part * stride(nodes) + 1, source * stride(rows) + 1);
+        for first in (0..rows).step_by(2 * LANES) {
+            for node in 0..nodes {
+                let numbers = &before[node * from + source + first..][..(2 * LANES).min(rows - first)];
+                for (place, &number) in (first..).zip(numbers) {
+                    turned[place * to + part + node] = number;
                 }
             }
-        });
-        turned
+        }
     }
+    turned
 }
 
 /// Eight numbers of many.

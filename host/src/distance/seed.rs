@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use wide::f32x8;
 
-use super::lanes::{LANES, Triangles};
-use super::rows::{Rows, set};
+use super::lanes::{Feet, LANES, Triangles};
+use super::rows::{self, Rows, set};
 use super::surface::Surface;
 use crate::field::Grid;
 use crate::mesh::Point;
@@ -34,13 +34,15 @@ pub(super) struct Seeding<'a> {
     pub(super) margin: f64,
 }
 
-/// A slab at work: rows along y, x after x, z after z.
+/// A slab at work: planes of rows along y, x after x.
 struct Slab<'a> {
-    rows: &'a mut [f32],
+    rows: &'a mut [Vec<f32>],
     /// Squared distance to the nearest point so far.
     squared: Vec<f32>,
     /// The first plane, and one beyond the last.
     planes: [usize; 2],
+    /// Nodes along x and y, and the numbers of a row.
+    sides: [usize; 2],
     width: usize,
     /// A node near the triangle, the same in every slab.
     base: [usize; 3],
@@ -50,14 +52,22 @@ impl Seeding<'_> {
     /// The closest points of the nodes of all cells that triangles meet, in rows along y.
     pub(super) fn run(&self) -> Rows {
         let [width, height, depth] = self.grid.extent;
-        let mut rows = Rows::new(width * depth, height);
-        let (bins, words) = (self.bins(), rows.width());
-        rows.chunks_mut(width * self.slab).enumerate().for_each(|(number, rows)| {
+        let mut rows = Rows::new(depth, width, height);
+        let bins = self.bins();
+        rows.chunks_mut(self.slab).enumerate().for_each(|(number, planes_of)| {
             let planes = [number * self.slab, ((number + 1) * self.slab).min(depth)];
             let [start, end] = [0, 1].map(|next| bins.starts[number + next] as usize);
             if start < end {
                 let squared = vec![self.cap(); (planes[1] - planes[0]) * width * height];
-                let mut slab = Slab { rows, squared, planes, width: words, base: [0; 3] };
+                let sides = [width, height];
+                let mut slab = Slab {
+                    rows: planes_of,
+                    squared,
+                    planes,
+                    sides,
+                    width: rows::width(height),
+                    base: [0; 3],
+                };
                 for &triangle in &bins.triangles[start..end] {
                     self.seed(triangle, &mut slab);
                 }
@@ -115,6 +125,10 @@ impl Seeding<'_> {
         slab.base = nodes.first;
         nodes.first[2] = nodes.first[2].max(slab.planes[0]);
         nodes.last[2] = nodes.last[2].min(slab.planes[1] - 1);
+        if nodes.last == nodes.first.map(|at| at + 1) && slab.base == nodes.first {
+            self.offer_cell(triangle, nodes.first, slab);
+            return;
+        }
         self.visit(triangle, nodes, slab);
     }
 
@@ -143,11 +157,7 @@ impl Seeding<'_> {
 
     /// Offers nodes their closest points on a triangle, as many as there are lanes at a time.
     fn offer(&self, triangle: u32, nodes: Nodes, slab: &mut Slab<'_>) {
-        // Near the triangle numbers are small, and differences exact.
-        let origin = self.surface.node(slab.base);
-        let [a, b, c] = self.surface.corners(triangle);
-        let wide = |point: Point| point.as_vec3().to_array().map(f32x8::splat);
-        let triangles = Triangles { corner: wide(a - origin), sides: [wide(b - a), wide(c - a)] };
+        let triangles = self.triangles(triangle, slab.base);
         let spacing = self.surface.spacing.as_vec3().to_array();
         let mut next = Some(nodes.first);
         while let Some(first) = next {
@@ -161,18 +171,46 @@ impl Seeding<'_> {
                 count += 1;
                 next = nodes.after(node);
             }
-            let feet = triangles.feet(&from.map(f32x8::new));
-            let (found, offsets) = (feet.squared().to_array(), feet.offsets.map(f32x8::to_array));
-            for lane in 0..count {
-                let [x, y, z] = places[lane];
-                let row = (z - slab.planes[0]) * self.grid.extent[0] + x;
-                let squared = &mut slab.squared[row * self.grid.extent[1] + y];
-                if found[lane] < *squared {
-                    *squared = found[lane];
-                    let at = |axis: usize| places[lane][axis] as f32 * spacing[axis] - offsets[axis][lane];
-                    let row = &mut slab.rows[row * slab.width..][..slab.width];
-                    set(row, y, [at(1), at(0), at(2)], triangle);
-                }
+            slab.offer(triangle, &places[..count], &triangles.feet(&from.map(f32x8::new)), spacing);
+        }
+    }
+
+    /// Offers the corners of a cell their closest points on a triangle in it.
+    fn offer_cell(&self, triangle: u32, first: [usize; 3], slab: &mut Slab<'_>) {
+        let spacing = self.surface.spacing.as_vec3().to_array();
+        let from = std::array::from_fn(|axis| f32x8::new(CELL.map(|lane| lane[axis] as f32 * spacing[axis])));
+        let places = CELL.map(|lane| std::array::from_fn(|axis| first[axis] + lane[axis]));
+        let feet = self.triangles(triangle, slab.base).feet(&from);
+        slab.offer(triangle, &places, &feet, spacing);
+    }
+
+    /// A triangle for all lanes. Near the triangle numbers are small, and differences exact.
+    fn triangles(&self, triangle: u32, base: [usize; 3]) -> Triangles {
+        let origin = self.surface.node(base);
+        let [a, b, c] = self.surface.corners(triangle);
+        let wide = |point: Point| point.as_vec3().to_array().map(f32x8::splat);
+        Triangles { corner: wide(a - origin), sides: [wide(b - a), wide(c - a)] }
+    }
+}
+
+/// The corners of a cell.
+const CELL: [[usize; 3]; LANES] =
+    [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1], [1, 0, 1], [1, 1, 1]];
+
+impl Slab<'_> {
+    /// Offers nodes the points of a triangle that are nearest to them.
+    #[inline(always)]
+    fn offer(&mut self, triangle: u32, places: &[[usize; 3]], feet: &Feet, spacing: [f32; 3]) {
+        let (found, offsets) = (feet.squared().to_array(), feet.offsets.map(f32x8::to_array));
+        let [width, height] = self.sides;
+        for (lane, &[x, y, z]) in places.iter().enumerate() {
+            let plane = z - self.planes[0];
+            let squared = &mut self.squared[(plane * width + x) * height + y];
+            if found[lane] < *squared {
+                *squared = found[lane];
+                let at = |axis: usize| [x, y, z][axis] as f32 * spacing[axis] - offsets[axis][lane];
+                let row = &mut self.rows[plane][x * self.width..][..self.width];
+                set(row, y, [at(1), at(0), at(2)], triangle);
             }
         }
     }

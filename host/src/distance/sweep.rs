@@ -71,6 +71,14 @@ impl<'a> Planes<'a> {
     }
 }
 
+/// Numbers of the nine nodes that a node looks at, and of itself.
+const PLACES: [[f32x8; 3]; 3] = [
+    [f32x8::splat(0.0), f32x8::splat(1.0), f32x8::splat(2.0)],
+    [f32x8::splat(3.0), f32x8::splat(4.0), f32x8::splat(5.0)],
+    [f32x8::splat(6.0), f32x8::splat(7.0), f32x8::splat(8.0)],
+];
+const OWN: f32x8 = f32x8::splat(9.0);
+
 /// Where a row lies.
 #[derive(Clone, Copy)]
 struct Place {
@@ -89,28 +97,29 @@ fn take(row: &mut [f32], from: [Row<'_>; 3], place: Place) -> u64 {
         let own = Row(row).window(first);
         let before = squared(&nodes, &points(own, 1)).fast_min(f32x8::splat(place.reach));
         let windows = [from[0].window(first), from[1].window(first), from[2].window(first)];
-        let mut least = before;
-        for window in windows {
-            for shift in 0..3 {
-                least = squared(&nodes, &points(window, shift)).fast_min(least);
+        let (mut least, mut which) = (before, OWN);
+        for (window, places) in windows.into_iter().zip(PLACES) {
+            for (shift, place) in places.into_iter().enumerate() {
+                let offered = squared(&nodes, &points(window, shift));
+                let nearer = offered.simd_lt(least);
+                least = nearer.select(offered, least);
+                which = nearer.select(place, which);
             }
         }
-        let nearer = least.simd_lt(before).to_bitmask();
+        let nearer = which.simd_ne(OWN).to_bitmask();
         if nearer == 0 {
             continue;
         }
         taken += u64::from(nearer.count_ones());
-        let (mut nearest, mut triangles, mut best) = (points(own, 1), load(own[3], 1), before);
-        for window in windows {
-            for shift in 0..3 {
+        let (mut nearest, mut triangles) = (points(own, 1), load(own[3], 1));
+        for (window, places) in windows.into_iter().zip(PLACES) {
+            for (shift, place) in places.into_iter().enumerate() {
+                let here = which.simd_eq(place);
                 let theirs = points(window, shift);
-                let offered = squared(&nodes, &theirs);
-                let nearer = offered.simd_lt(best);
                 for axis in 0..3 {
-                    nearest[axis] = nearer.select(theirs[axis], nearest[axis]);
+                    nearest[axis] = here.select(theirs[axis], nearest[axis]);
                 }
-                triangles = nearer.select(load(window[3], shift), triangles);
-                best = nearer.select(offered, best);
+                triangles = here.select(load(window[3], shift), triangles);
             }
         }
         store(row, first, &nearest, triangles);

@@ -8,10 +8,14 @@ use super::surface::{Facet, NONE};
 
 /// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is nearest in
 /// itself there is no end.
-const STEPS: usize = 8;
+const STEPS: usize = 6;
 
 /// Squared distance, in squares of cells' edges, beyond which points may lie on different parts of the surface.
 const APART: f32 = 0.25;
+
+/// How far beside the point nearest to a node its own point may lie, squared, in squares of the greatest distance between
+/// nodes.
+const BESIDE: f32 = 1.4;
 
 /// Squared distance that no node has from a point.
 const NOWHERE: f32 = 1e30;
@@ -35,8 +39,7 @@ pub(super) struct Walk<'a> {
     step: f32,
     /// Nearest that a point may be without being exact: the least distance between nodes, squared.
     near: f32,
-    /// How much nearer than the point itself the surface around a node's point may be, squared: points lie up to about the
-    /// greatest distance between nodes beside those that are nearest.
+    /// How much nearer than the point itself the surface around a node's point may be, squared.
     slack: f32,
     /// The other coordinates of the row.
     others: [f32; 2],
@@ -59,7 +62,7 @@ impl<'a> Walk<'a> {
             facets,
             step: spacing[0],
             near,
-            slack: far * far,
+            slack: BESIDE * far * far,
             others: [0.0; 2],
             squared,
             triangles,
@@ -155,15 +158,15 @@ impl<'a> Walk<'a> {
         let from = f32x8::new(std::array::from_fn(|at| f32::from_bits(lane(at).from)));
         let next = feet.across(across, from).to_array();
         for (at, step) in steps.iter().enumerate() {
+            // Selections instead of branches, which nobody could foretell.
             let (squared, node) = (found[at], step.node as usize);
-            if squared < self.squared[node] {
-                self.squared[node] = squared;
-                self.triangles[node] = step.triangle;
-            }
-            let triangle = next[at].to_bits();
-            if !next[at].is_nan() && squared <= step.squared {
-                self.next.push(Step { triangle, from: step.triangle, squared, ..*step });
-            }
+            let (nearest, triangle) = (&mut self.squared[node], &mut self.triangles[node]);
+            let nearer = squared < *nearest;
+            *triangle = if nearer { step.triangle } else { *triangle };
+            *nearest = if nearer { squared } else { *nearest };
+            let goes_on = !next[at].is_nan() & (squared <= step.squared);
+            self.next.push(Step { triangle: next[at].to_bits(), from: step.triangle, squared, ..*step });
+            self.next.truncate(self.next.len() - usize::from(!goes_on));
         }
     }
 }

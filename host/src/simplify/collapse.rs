@@ -4,7 +4,8 @@
 //!
 //! Edges wait in the bucket queue with the error that they had when they were last looked at. An edge that comes out is
 //! looked at again: it goes back in if its error has grown, and out if it may not be collapsed; the edges around a collapse
-//! that are not in the queue are looked at then.
+//! that are not in the queue are looked at then. Edges of too large an error wait too, so that they are not looked at after
+//! each collapse nearby: two thirds of all errors that were computed without were theirs.
 //!
 //! One queue over a large mesh jumps about in memory. While the mesh is much larger than the target, it is therefore taken
 //! in *windows*, runs of triangles as they come, and in each of them the edges of small error are collapsed in order.
@@ -33,6 +34,9 @@ const SAMPLE: usize = 31;
 /// Error up to which windows collapse edges, in median errors of the edges before.
 const EASY: f64 = 2.0;
 
+/// A round that takes away less than one vertex in so many is the last.
+const LAST: usize = 64;
+
 /// What collapsing edges left.
 #[derive(Clone, Debug)]
 pub struct Collapsed {
@@ -48,10 +52,13 @@ pub struct Collapsed {
 ///
 /// Topology, features and boundary stay as the rules of [`super`] say. The result depends on nothing but the arguments.
 ///
+/// A target may be out of reach: a closed component keeps four vertices at least, and one of Euler characteristic χ < 0 at
+/// least 3 |χ|, as a vertex has at most eight edges; what is left of such components in practice is 5.3 to 5.7 |χ|.
+///
 /// # Errors
 /// [`SimplifyError`], where the mesh is no oriented manifold, or features are not of it.
 ///
-/// Cost: about 2.7 microseconds a triangle; 60 bytes a triangle.
+/// Cost: about 1.4 microseconds a triangle; 60 bytes a triangle.
 pub fn collapse_edges(
     mesh: &TriangleMesh,
     constraints: &Constraints,
@@ -66,7 +73,7 @@ pub fn collapse_edges(
         collapse = Collapse { error, ..Collapse::new(surface.compact(), per_unit, limit) };
     }
     collapse.window = 0..collapse.surface.corners.len();
-    collapse.run(target.vertices);
+    collapse.rounds(target.vertices);
     let error = collapse.error / per_unit;
     let (mesh, features) = collapse.surface.into_mesh();
     Ok(Collapsed { mesh, features, error })
@@ -103,10 +110,22 @@ impl Collapse {
             // A window has its share of the vertices, so that none is emptied for the others.
             let own = before as f64 * self.window.len() as f64 / f64::from(sides);
             self.run(self.vertices.saturating_sub(own as usize / SHARE * (SHARE - 1)));
-            self.queue.clear();
+            self.queue.clear(self.window.clone());
         }
         self.limit = limit;
         self.vertices < before / 2
+    }
+
+    /// Collapses edges until so many vertices are left, or it is not worth going on. After each round edges are looked at
+    /// again that wait because their error was too large once.
+    fn rounds(&mut self, vertices: usize) {
+        let mut worth = true;
+        while worth && self.vertices > vertices {
+            let before = self.vertices;
+            self.run(vertices);
+            self.queue.clear(self.window.clone());
+            worth = (before - self.vertices) * LAST > before;
+        }
     }
 
     /// The error up to which edges are collapsed in windows.
@@ -125,22 +144,18 @@ impl Collapse {
         for side in self.window.clone() {
             self.offer(side);
         }
+        let limit = rank(self.limit);
         while self.vertices > vertices
             && let Some((side, expected)) = self.queue.pop()
+            && expected <= limit
         {
             if let Some((place, candidate)) = self.candidate(side) {
                 if rank(candidate.error) > expected {
-                    self.push(side, candidate.error);
+                    self.queue.push(side, rank(candidate.error));
                 } else {
                     self.collapse(side, place, candidate);
                 }
             }
-        }
-    }
-
-    fn push(&mut self, side: u32, error: f64) {
-        if error <= self.limit {
-            self.queue.push(side, rank(error));
         }
     }
 
@@ -163,7 +178,7 @@ impl Collapse {
             && !self.queue.contains(side)
             && let Some((_, candidate)) = self.candidate(side)
         {
-            self.push(side, candidate.error);
+            self.queue.push(side, rank(candidate.error));
         }
     }
 
@@ -195,10 +210,13 @@ impl Collapse {
             let start = self.surface.vertex(vertex).leaving;
             let mut side = start;
             while side != NONE {
-                for other in [side, next(side), previous(side)] {
-                    self.offer(self.surface.corners.edge(other));
+                let into = previous(side);
+                self.offer(self.surface.corners.edge(side));
+                self.offer(self.surface.corners.edge(next(side)));
+                side = self.surface.corners.twin(into);
+                if side == NONE {
+                    self.offer(into);
                 }
-                side = self.surface.corners.left(side);
                 if side == start {
                     break;
                 }

@@ -11,6 +11,8 @@
 //! too, and 0.27 with the quadrics of meshoptimizer, whose triangles are less regular; on turbulence it is 1.02, 0.68, 0.40
 //! and 0.33 cells.
 
+use wide::f64x8;
+
 use super::legality::{MOST, Place};
 use super::star::Star;
 use super::surface::{Kind, Surface, Vertex};
@@ -21,6 +23,9 @@ const LEAST: f64 = 1e-8;
 /// Least cosine between the normals of a triangle before and after.
 const TURN: f64 = 0.25;
 
+/// Most triangles of a star.
+const LANES: usize = MOST as usize;
+
 /// What an edge would collapse to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
@@ -29,14 +34,23 @@ pub(super) struct Candidate {
     pub(super) error: f64,
 }
 
-/// The triangles of a star as vectors from the first end of the edge.
+/// A number for each triangle of a star.
+type Lanes = f64x8;
+
+/// A vector for each triangle of a star.
+type Vectors = [Lanes; 3];
+
+/// The triangles of a star as vectors from the first end of the edge, all at a time. Lanes beyond the last triangle hold the
+/// first one again.
 struct Ring {
-    /// Number of triangles.
-    count: usize,
-    /// From one rim vertex to the other, for each triangle.
-    rims: [Point; MOST as usize],
+    /// 1 for each triangle, 0 beyond the last.
+    there: Lanes,
+    /// 1 for each triangle at the second end.
+    second: Lanes,
+    /// From one rim vertex to the other.
+    rims: Vectors,
     /// Cross product of the vectors to both rim vertices: twice the area where the first end is the third vertex.
-    crosses: [Point; MOST as usize],
+    crosses: Vectors,
     /// The second end.
     edge: Point,
 }
@@ -54,10 +68,10 @@ pub(super) fn candidate(
     let offset = match place {
         Place::End(0) => Point::ZERO,
         Place::End(_) => ring.edge,
-        Place::Between if ends[0].kind == Kind::Smooth => ring.between(star),
+        Place::Between if ends[0].kind == Kind::Smooth => ring.between(),
         Place::Between => 0.5 * ring.edge,
     };
-    let (distance, shape) = ring.deviation(star, offset)?;
+    let (distance, shape) = ring.deviation(offset)?;
     let position = match place {
         Place::End(end) => ends[end].position,
         Place::Between => ends[0].position + offset,
@@ -70,24 +84,36 @@ pub(super) fn candidate(
 }
 
 impl Ring {
+    #[inline]
     fn new(surface: &Surface, star: &Star, ends: [&Vertex; 2]) -> Self {
         let origin = ends[0].position;
-        let none = [Point::ZERO; MOST as usize];
-        let mut ring =
-            Self { count: star.wings().len(), rims: none, crosses: none, edge: ends[1].position - origin };
-        for (place, wing) in star.wings().iter().enumerate() {
-            let from = surface.vertex(wing.rim[0]).position - origin;
-            let to = surface.vertex(wing.rim[1]).position - origin;
-            ring.rims[place] = to - from;
-            ring.crosses[place] = from.cross(to);
+        let wings = star.wings();
+        let mut at = [[[0.0; LANES]; 3]; 2];
+        for lane in 0..LANES {
+            let wing = &wings[if lane < wings.len() { lane } else { 0 }];
+            for (at, &vertex) in at.iter_mut().zip(&wing.rim) {
+                let way = surface.vertex(vertex).position - origin;
+                (at[0][lane], at[1][lane], at[2][lane]) = (way.x, way.y, way.z);
+            }
         }
-        ring
+        let [from, to] = at.map(|axes| axes.map(Lanes::new));
+        let share = |from: usize| {
+            let lanes: [f64; LANES] =
+                std::array::from_fn(|lane| f64::from(u8::from(lane >= from && lane < wings.len())));
+            Lanes::new(lanes)
+        };
+        Self {
+            there: share(0),
+            second: share(star.split),
+            rims: minus(&to, &from),
+            crosses: cross(&from, &to),
+            edge: ends[1].position - origin,
+        }
     }
 
     /// The middle of the edge, moved along the ring's normal so that the volume stays.
-    fn between(&self, star: &Star) -> Point {
-        let area: Point = self.crosses[..self.count].iter().sum();
-        let second: Point = self.crosses[star.split..self.count].iter().sum();
+    fn between(&self) -> Point {
+        let [area, second] = [self.there, self.second].map(|share| sum(&self.crosses, share));
         let middle = 0.5 * self.edge;
         // Six times the volumes between the ring and the first end: before, and less that of the middle.
         let volume = self.edge.dot(second) - middle.dot(area);
@@ -97,32 +123,55 @@ impl Ring {
 
     /// The larger distance of the ends from the planes of the new triangles (4.1), and the factor of (4.2), which is 1 for a
     /// flat ring of equal triangles and large for skewed and tangled ones; nothing where a triangle turns over.
-    fn deviation(&self, star: &Star, offset: Point) -> Option<(f64, f64)> {
-        let mut normals = [Point::ZERO; MOST as usize];
-        let (mut distance, mut most, mut sum) = (0.0_f64, 0.0_f64, Point::ZERO);
-        let rest = self.edge - offset;
-        for (place, kept) in normals[..self.count].iter_mut().enumerate() {
-            let (rim, cross) = (self.rims[place], self.crosses[place]);
-            let normal = cross - offset.cross(rim);
-            let before = if place < star.split { cross } else { cross - self.edge.cross(rim) };
-            let (square, agreement) = (normal.length_squared(), normal.dot(before));
-            // Written so that a triangle without area is none that agrees.
-            let agrees =
-                agreement > 0.0 && agreement * agreement > TURN * TURN * square * before.length_squared();
-            if !agrees {
-                return None;
-            }
-            let inverse = square.sqrt().recip();
-            distance = distance.max(offset.dot(normal).abs().max(rest.dot(normal).abs()) * inverse);
-            most = most.max(square);
-            sum += normal * inverse;
-            *kept = normal;
+    fn deviation(&self, offset: Point) -> Option<(f64, f64)> {
+        let splat = |vector: Point| vector.to_array().map(Lanes::splat);
+        let (rest, offset, edge) = (splat(self.edge - offset), splat(offset), splat(self.edge));
+        let normals = minus(&self.crosses, &cross(&offset, &self.rims));
+        let moved = cross(&edge, &self.rims);
+        let before: Vectors = std::array::from_fn(|axis| self.crosses[axis] - self.second * moved[axis]);
+        let (squares, agreement) = (dot(&normals, &normals), dot(&normals, &before));
+        let least = squares * Lanes::splat(TURN * TURN) * dot(&before, &before);
+        // Written so that a triangle without area is none that agrees.
+        let agrees = agreement.simd_gt(Lanes::ZERO) & (agreement * agreement).simd_gt(least);
+        if !agrees.all() {
+            return None;
         }
-        let least = normals[..self.count].iter().map(|cross| cross.dot(sum)).fold(f64::INFINITY, f64::min);
-        let scale = (sum.length_squared() * most).max(f64::MIN_POSITIVE).sqrt();
+        let inverse = Lanes::ONE / squares.sqrt();
+        let distances = dot(&offset, &normals).abs().fast_max(dot(&rest, &normals).abs()) * inverse;
+        let sum = sum(&normals, inverse * self.there);
+        let least = -greatest(-dot(&normals, &splat(sum)));
+        let scale = (sum.length_squared() * greatest(squares)).max(f64::MIN_POSITIVE).sqrt();
         let factor = 2.0 - least.min(scale) / scale;
-        Some((distance, (factor * factor) * (factor * factor)))
+        Some((greatest(distances), (factor * factor) * (factor * factor)))
     }
+}
+
+/// The sum of vectors, with a weight for each, in order.
+#[inline(always)]
+fn sum(vectors: &Vectors, weights: Lanes) -> Point {
+    Point::from_array(vectors.each_ref().map(|lanes| (*lanes * weights).to_array().iter().sum()))
+}
+
+/// The greatest of all lanes.
+#[inline(always)]
+fn greatest(lanes: Lanes) -> f64 {
+    lanes.to_array().into_iter().fold(f64::NEG_INFINITY, |most, lane| if lane > most { lane } else { most })
+}
+
+#[inline(always)]
+fn minus(a: &Vectors, b: &Vectors) -> Vectors {
+    std::array::from_fn(|axis| a[axis] - b[axis])
+}
+
+#[inline(always)]
+fn dot(a: &Vectors, b: &Vectors) -> Lanes {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: &Vectors, b: &Vectors) -> Vectors {
+    let across = |y: usize, z: usize| a[y] * b[z] - a[z] * b[y];
+    [across(1, 2), across(2, 0), across(0, 1)]
 }
 
 /// How far the ends of an edge of a curve are from the curve's new edges.

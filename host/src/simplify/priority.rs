@@ -2,6 +2,8 @@
 //!
 //! Source: Vis2000 §4.1: about 10^5 buckets over log 1/E in [-10, 10] to the base 10, first in, first out within a bucket.
 
+use std::ops::Range;
+
 use super::corners::NONE;
 
 /// Buckets an octave of E; the logarithm is straight between powers of two, so that it is the same on every machine.
@@ -22,6 +24,8 @@ pub(super) struct BucketQueue {
     behind: Vec<u32>,
     /// No bucket before this one has an item.
     lowest: u32,
+    /// No bucket after this one has an item.
+    highest: u32,
 }
 
 /// Mark of an item that is not in the queue.
@@ -42,6 +46,7 @@ impl BucketQueue {
             buckets: vec![[NONE; 2]; BUCKETS as usize],
             behind: vec![ABSENT; items as usize],
             lowest: BUCKETS,
+            highest: 0,
         }
     }
 
@@ -64,16 +69,19 @@ impl BucketQueue {
         }
         *last = item;
         self.lowest = self.lowest.min(rank);
+        self.highest = self.highest.max(rank);
     }
 
-    /// Takes all items out.
-    pub(super) fn clear(&mut self) {
-        while self.pop().is_some() {}
+    /// Takes all items out, none of which is outside of `items`.
+    pub(super) fn clear(&mut self, items: Range<u32>) {
+        self.buckets[self.lowest.min(self.highest) as usize..=self.highest as usize].fill([NONE; 2]);
+        self.behind[items.start as usize..items.end as usize].fill(ABSENT);
+        (self.lowest, self.highest) = (BUCKETS, 0);
     }
 
     /// Takes the first item of the smallest rank, and tells the rank.
     pub(super) fn pop(&mut self) -> Option<(u32, u32)> {
-        while self.lowest < BUCKETS {
+        while self.lowest <= self.highest {
             let [first, _] = &mut self.buckets[self.lowest as usize];
             if *first != NONE {
                 let item = *first;
@@ -113,5 +121,12 @@ mod tests {
         queue.push(1, 7);
         let rest: Vec<_> = std::iter::from_fn(|| queue.pop()).collect();
         assert_eq!(rest, [(4, 2), (5, 5), (3, 7), (0, 7), (1, 7), (2, 9)]);
+        queue.push(4, 6);
+        queue.push(5, 3);
+        queue.clear(4..6);
+        queue.push(2, 4);
+        assert_eq!([queue.pop(), queue.pop()], [Some((2, 4)), None]);
+        queue.clear(0..6);
+        assert_eq!(queue.pop(), None);
     }
 }
