@@ -123,7 +123,7 @@ impl Channel {
 /// The record that a brick of `total` bytes begins with, and its length.
 fn label_of(bytes: &[u8], place: Place, total: u64) -> Result<(BrickLabel, usize), Fault> {
     if total == 0 {
-        return Err(Fault::Data("it is lost: the file was repaired without it"));
+        return Err(Fault::Data("it is lost"));
     }
     let found = record::from_bytes::<BrickLabel>(Kind::Brick, bytes);
     let (label, len) = found.ok_or(Fault::Data("its record contradicts its checksum, or cannot be read"))?;
