@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use wavelift_host::codec::{
-    Container, ContainerError, Damage, DecompressOptions, FileAt, Fill, Lost, Part, Region, Salvaged,
+    Channel, Container, ContainerError, Damage, DecompressOptions, FileAt, Fill, Lost, Part, Region,
+    Salvaged, Step,
 };
 use wavelift_host::volume::{self, ByteOrder, Created, ElementType, Fault, FileFormat, Header, WriteOptions};
 use wavelift_kernel::Wavelet;
@@ -13,6 +14,7 @@ use wavelift_kernel::Wavelet;
 use super::choice::{parse_memory, parse_threads};
 use super::convert::in_words;
 use super::exit::Failure;
+use super::info::QUICK;
 use super::input::{byte_order_names, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
 use super::progress::Bar;
@@ -151,12 +153,7 @@ fn tell_of(args: &Args, container: &Container, written: &Written) -> Result<(), 
         let (output, bytes) = (args.output.display(), header.bytes().unwrap_or(u64::MAX));
         tell(format_args!("{output}: {}, {bytes} bytes of samples, {}", in_words(header), format.name()));
         let step = container.step(args.step.unwrap_or(0)).map_err(|error| failure(&args.input, error))?;
-        let wavelet = step.channels.iter().find_map(|channel| channel.wavelet);
-        if let Some(wavelet) = wavelet.filter(|wavelet| args.level > 0 && loses_digits(*wavelet)) {
-            tell(format_args!(
-                "coarse levels under {wavelet} come in steps; under haar and linear they do not"
-            ));
-        }
+        tell_of_level(args.level, step);
     }
     let Some(damage) = damage else { return Ok(()) };
     say_damage(&args.input, damage);
@@ -166,6 +163,23 @@ fn tell_of(args: &Args, container: &Container, written: &Written) -> Result<(), 
     }
     let message = format_args!("{} of the bricks asked for are lost, and filled", lost.len());
     Err(Failure::at(&args.input, Fault::Data, message))
+}
+
+/// Tells what is to be known of coarse levels.
+fn tell_of_level(level: u8, step: &Step) {
+    let wavelet = step.channels.iter().find_map(|channel| channel.wavelet);
+    match wavelet {
+        _ if level == 0 => {}
+        Some(wavelet) if loses_digits(wavelet) => {
+            tell(format_args!(
+                "coarse levels under {wavelet} come in steps; under haar and linear they do not"
+            ));
+        }
+        None if !step.channels.iter().any(Channel::has_quick_levels) => {
+            tell(format_args!("whole bricks were decoded, as they have no transform: {QUICK}"));
+        }
+        _ => {}
+    }
 }
 
 fn document(args: &Args, written: &Written) -> Value {
