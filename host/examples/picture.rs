@@ -27,7 +27,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     };
     for view in [View::Slice(Axis::Z, None), View::Maximum(Axis::Y)] {
         let level = suitable_level(&container, view, 0, 64)?;
-        let picture = of_container(&container, view, Select::default(), level, None)?;
+        let picture = of_container(&container, view, Select::default(), level, (None, &ignore))?;
         picture.write_png(&to, Window::default(), Depth::Eight)?;
         println!("{view:?} at level {level}: {:?} pixels in {}", picture.size, to.display());
     }

@@ -205,7 +205,7 @@ def check_itk(check):
 
 def check_nrrd(check):
     """pynrrd writes; wavelift writes again; header and samples are the same, through compressed files too."""
-    for kind, order, encoding in itertools.product(TYPES, "<>", ["raw", "gzip"]):
+    for kind, order, encoding in itertools.product(TYPES, "<>", ["raw", "gzip", "bzip2", "ascii"]):
         data = noise((7, 6, 5), kind).astype(np.dtype(order + kind))
         header = {
             "space": "right-anterior-superior",

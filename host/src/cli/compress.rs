@@ -11,7 +11,7 @@ use wavelift_kernel::Wavelet;
 use super::bound::{self, BoundArgs};
 use super::choice::{Levels, effort_names, parse_brick, parse_memory, parse_threads, wavelet_choices};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source, refuse_same_file};
+use super::input::{RawArgs, open_source_for, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
 use super::progress::Bar;
 
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
-    let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
+    let mut source = open_source_for(&args.input, args.raw.layout(None)?.as_ref(), &args.output)?;
     let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
     let count = |values| bar.count(values);
     let options = CompressOptions { names: args.component_names.clone(), ..args.how.options() };

@@ -7,7 +7,7 @@ use wavelift_host::codec::Container;
 use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header, WriteOptions};
 
 use super::exit::Failure;
-use super::input::{RawArgs, byte_order_names, open_source, refuse_same_file};
+use super::input::{RawArgs, byte_order_names, open_source_for, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
 use super::progress::Bar;
 
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
-    let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
+    let mut source = open_source_for(&args.input, args.raw.layout(None)?.as_ref(), &args.output)?;
     let header = source.header().clone();
     let options = WriteOptions { byte_order: args.output_byte_order, gzip: args.gzip };
     let Created { sink, losses } = volume::create(&args.output, &header, &options)?;

@@ -169,7 +169,14 @@ impl Contents {
             },
             match channel.readable_levels {
                 0 => "levels    0, full resolution only".to_owned(),
-                coarsest => format!("levels    0 to {coarsest} can be read"),
+                coarsest if channel.has_quick_levels() => {
+                    format!("levels    0 to {coarsest} can be read, each from a part of the bricks' bytes")
+                }
+                coarsest => {
+                    format!(
+                        "levels    0 to {coarsest} can be read, but whole bricks are decoded for each: {QUICK}"
+                    )
+                }
             },
             format!("bricks    {} of {a} x {b} x {c}", summary.bricks.len()),
         ];
@@ -180,6 +187,9 @@ impl Contents {
         lines
     }
 }
+
+/// How to get levels that save time.
+pub(crate) const QUICK: &str = "`compress --wavelet linear` makes quick ones";
 
 fn entry(line: &HeaderLine) -> Value {
     match line {

@@ -78,6 +78,35 @@ pub(crate) fn open_source(path: &Path, layout: Option<&RawLayout>) -> Result<Box
     volume::open(path, layout).map_err(|error| failure(path, error))
 }
 
+/// As [`open_source`], for something that is to be written to `output`.
+///
+/// # Errors
+/// As [`open_source`], and a usage failure if that would overwrite what is read.
+pub(crate) fn open_source_for(
+    path: &Path,
+    layout: Option<&RawLayout>,
+    output: &Path,
+) -> Result<Box<dyn Source>, Failure> {
+    let source = open_source(path, layout)?;
+    if let Some(file) = volume::overwritten(&source.files(), output) {
+        let message = format_args!("would overwrite {}, which is read: give another output", file.display());
+        return Err(Failure::at(output, Fault::Usage, message));
+    }
+    Ok(source)
+}
+
+/// As [`read_volume`], for something that is to be written to `output`.
+///
+/// # Errors
+/// As [`open_source_for`].
+pub(crate) fn read_volume_for(
+    path: &Path,
+    layout: Option<&RawLayout>,
+    output: &Path,
+) -> Result<Volume, Failure> {
+    Ok(volume::read_all(path, open_source_for(path, layout, output)?)?)
+}
+
 fn failure(path: &Path, error: ReadError) -> Failure {
     match error {
         // What came through a pipe is gone, and cannot be looked at again.

@@ -11,6 +11,7 @@ mod info;
 mod input;
 mod interrupt;
 mod output;
+mod panics;
 mod preview;
 mod progress;
 mod repair;
@@ -58,6 +59,7 @@ enum Command {
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
     interrupt::watch();
+    panics::print_no_caught();
     let outcome = match Program::parse().command {
         Command::Compress(args) => compress::run(&args),
         Command::Decompress(args) => decompress::run(&args),

@@ -10,8 +10,9 @@ use wavelift_host::volume::Fault;
 
 use super::choice::parse_threads;
 use super::exit::Failure;
-use super::input::{RawArgs, open_source, refuse_same_file};
+use super::input::{RawArgs, open_source_for, refuse_same_file};
 use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
+use super::progress::Bar;
 
 /// Draw a slice of a volume, or the largest values along an axis, as a PNG picture
 ///
@@ -116,7 +117,9 @@ fn of_container(args: &Args, view: View, select: Select) -> Result<(Picture, u8)
         Some(level) => level,
         None => preview::suitable_level(&container, view, args.step, args.size).map_err(at_input)?,
     };
-    let picture = preview::of_container(&container, view, select, level, args.threads);
+    let bar = Bar::spinner("drawing");
+    let count = |values| bar.count(values);
+    let picture = preview::of_container(&container, view, select, level, (args.threads, &count));
     Ok((picture.map_err(|error| failure(args, error))?, level))
 }
 
@@ -126,8 +129,10 @@ fn of_source(args: &Args, view: View, select: Select) -> Result<Picture, Failure
         return Err(Failure::at(&args.input, Fault::Usage, message));
     }
     let layout = args.raw.layout(None)?;
-    let mut source = open_source(&args.input, layout.as_ref())?;
-    preview::of_source(source.as_mut(), view, select).map_err(|error| failure(args, error))
+    let mut source = open_source_for(&args.input, layout.as_ref(), &args.output)?;
+    let bar = Bar::spinner("drawing");
+    let picture = preview::of_source(source.as_mut(), view, select, &|values| bar.count(values));
+    picture.map_err(|error| failure(args, error))
 }
 
 fn failure(args: &Args, error: Shown) -> Failure {

@@ -1,10 +1,10 @@
 //! `wavelift repair`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use wavelift_host::codec::{self, FileAt, Lost, RepairError, Repaired};
+use wavelift_host::codec::{self, Damage, FileAt, Lost, RepairError, Repaired};
 use wavelift_host::volume::Fault;
 
 use super::choice::parse_threads;
@@ -16,8 +16,9 @@ use super::progress::Bar;
 /// Save what is whole of a damaged or truncated file
 ///
 /// OUTPUT is a whole wavelift file with every brick of INPUT that is undamaged, bit for bit, and says which ones are
-/// lost: reading their samples is an error, reading others is not. INPUT stays as it is. The exit code is 0 only if no
-/// brick is lost, 3 if any is, with OUTPUT written all the same.
+/// lost: reading their samples is an error, reading others is not. Where a single byte is wrong, checksums tell which,
+/// and it is put right. INPUT stays as it is. The exit code is 0 only if no brick is lost, 3 if any is, with OUTPUT
+/// written all the same. `wavelift decompress --salvage` writes the samples at once, without such a file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -50,9 +51,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|cause| Failure::of_container(&args.input, &codec::ContainerError::Io(cause)))?;
     let bar = Bar::spinner("repairing");
     let repaired = write_atomically(&args.output, |out| {
-        codec::repair(&file, out, args.threads, &|samples| bar.count(samples)).map_err(|error| match error {
-            RepairError::Write(cause) => Failure::cannot_write(&args.output, &cause),
-            other => Failure::at(&args.input, other.kind(), other),
+        codec::repair(Box::new(file), out, args.threads, &|samples| bar.count(samples)).map_err(|error| {
+            match error {
+                RepairError::Write(cause) => Failure::cannot_write(&args.output, &cause),
+                other => Failure::at(&args.input, other.kind(), other),
+            }
         })
     })?;
     drop(bar);
@@ -63,29 +66,43 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn tell(args: &Args, repaired: &Repaired) -> Result<(), Failure> {
-    let input = args.input.display();
-    let note = |what: &str| say(format_args!("wavelift: {input}: {what}"));
-    for gap in &repaired.gaps {
-        note(&format!("bytes {} to {} are no whole record", gap.start, gap.end - 1));
-    }
-    if repaired.lost_metadata {
-        note("lost: what its source said beside extent and type");
-    }
-    for step in &repaired.lost_steps {
-        note(&format!("lost: how time step {step} is coded, and with it all its bricks"));
-    }
-    for lost in &repaired.lost {
-        note(&format!("lost: {}", in_words(lost)));
-    }
-    let bricks = repaired.kept + repaired.lost.len() as u64;
-    if !repaired.lost.is_empty() {
-        let message = format_args!("{} of {bricks} bricks are lost", repaired.lost.len());
+    let damage = &repaired.damage;
+    say_damage(&args.input, damage);
+    say_lost(&args.input, damage, &damage.lost);
+    let bricks = repaired.kept + damage.lost.len() as u64;
+    if !damage.lost.is_empty() {
+        let message = format_args!("{} of {bricks} bricks are lost", damage.lost.len());
         return Err(Failure::at(&args.input, Fault::Data, message));
     }
     if args.json {
         return Ok(());
     }
     print(&format!("{}: all {bricks} bricks saved\n", args.output.display()))
+}
+
+/// Tells what was wrong with a file, and what was put right.
+pub(crate) fn say_damage(input: &Path, damage: &Damage) {
+    let note = |what: &str| say(format_args!("wavelift: {}: {what}", input.display()));
+    for place in &damage.mended {
+        note(&format!("byte {place} was wrong, and is put right"));
+    }
+    for gap in &damage.gaps {
+        note(&format!("bytes {} to {} are no whole record", gap.start, gap.end - 1));
+    }
+}
+
+/// Tells what is lost.
+pub(crate) fn say_lost(input: &Path, damage: &Damage, lost: &[Lost]) {
+    let note = |what: &str| say(format_args!("wavelift: {}: lost: {what}", input.display()));
+    if damage.lost_metadata {
+        note("what its source said beside extent and type");
+    }
+    for step in &damage.lost_steps {
+        note(&format!("how time step {step} is coded, and with it all its bricks"));
+    }
+    for lost in lost {
+        note(&in_words(lost));
+    }
 }
 
 fn in_words(lost: &Lost) -> String {
@@ -97,14 +114,7 @@ fn in_words(lost: &Lost) -> String {
 }
 
 fn document(args: &Args, repaired: &Repaired) -> Value {
-    let lost = |lost: &Lost| {
-        json!({
-            "step": lost.place.step,
-            "brick": lost.place.brick,
-            "component": lost.place.component,
-            "region": lost.region.to_string(),
-        })
-    };
+    let damage = &repaired.damage;
     json!({
         "input": args.input.display().to_string(),
         "output": args.output.display().to_string(),
@@ -112,10 +122,29 @@ fn document(args: &Args, repaired: &Repaired) -> Value {
         "components": repaired.head.components,
         "steps": repaired.steps,
         "type": repaired.head.element.name(),
-        "bricks": repaired.kept + repaired.lost.len() as u64,
-        "lost": repaired.lost.iter().map(lost).collect::<Vec<_>>(),
-        "lost_steps": repaired.lost_steps,
-        "lost_metadata": repaired.lost_metadata,
-        "gaps": repaired.gaps.iter().map(|gap| [gap.start, gap.end]).collect::<Vec<_>>(),
+        "bricks": repaired.kept + damage.lost.len() as u64,
+        "lost": list(&damage.lost),
+        "lost_steps": damage.lost_steps,
+        "lost_metadata": damage.lost_metadata,
+        "mended": damage.mended,
+        "gaps": gaps(damage),
     })
+}
+
+/// Lost bricks as JSON.
+pub(crate) fn list(lost: &[Lost]) -> Vec<Value> {
+    let one = |lost: &Lost| {
+        json!({
+            "step": lost.place.step,
+            "brick": lost.place.brick,
+            "component": lost.place.component,
+            "region": lost.region.to_string(),
+        })
+    };
+    lost.iter().map(one).collect()
+}
+
+/// Ends of what is no whole record, for JSON.
+pub(crate) fn gaps(damage: &Damage) -> Vec<[u64; 2]> {
+    damage.gaps.iter().map(|gap| [gap.start, gap.end]).collect()
 }

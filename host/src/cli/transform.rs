@@ -7,7 +7,7 @@ use wavelift_host::volume::{self, ElementType, Fault, WriteOptions};
 use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
-use super::input::{RawArgs, read_volume, refuse_same_file, wavelet_names};
+use super::input::{RawArgs, read_volume_for, refuse_same_file, wavelet_names};
 use super::output::tell;
 
 /// Transform a volume to wavelet coefficients or back, without coding (for study and tests)
@@ -48,7 +48,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
     let layout = args.raw.layout(args.inverse.then_some(ElementType::I32))?;
-    let input = read_volume(&args.input, layout.as_ref())?;
+    let input = read_volume_for(&args.input, layout.as_ref(), &args.output)?;
     let direction = if args.inverse { transform::inverse } else { transform::forward };
     let output = direction(&input, args.wavelet, args.levels)
         .map_err(|error: TransformError| Failure::at(&args.input, Fault::Usage, error))?;

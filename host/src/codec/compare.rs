@@ -52,6 +52,7 @@ impl Container {
         super::compress::refuse_others(self.head(), original.header())?;
         let pool = pool(options.threads.map(NonZeroUsize::get))?;
         let most = options.memory.unwrap_or_else(|| memory::available() / 2) / 2;
+        let most = most - original.hold_at_most(most / 2).min(most);
         let note = |result: Result<(), ContainerError>| match result {
             Err(ContainerError::Stopped(stopped)) => Err(stopped),
             other => {

@@ -172,22 +172,24 @@ impl<'a> Compressor<'a> {
     }
 
     fn run<W: Write>(
-        &self,
+        self,
         source: &mut dyn Source,
         mut writer: Writer<W>,
         progress: Progress<'_>,
     ) -> Result<Report, CompressError> {
         let header = source.header().clone();
         let first = writer.next_step();
+        let memory = self.memory - source.hold_at_most(self.memory / 2).min(self.memory);
+        let compressor = Compressor { memory, ..self };
         let mut steps = Vec::new();
-        for (number, label) in (0..header.steps).zip(self.labels()) {
-            let mut supply = Supply::new(source, number, self.memory / 2)?;
-            steps.push(self.step(&mut supply, first + number, label, &mut writer, progress)?);
+        for (number, label) in (0..header.steps).zip(compressor.labels()) {
+            let mut supply = Supply::new(source, number, memory / 2)?;
+            steps.push(compressor.step(&mut supply, first + number, label, &mut writer, progress)?);
         }
         let summaries = writer.summaries()[first as usize..].to_vec();
         let container_bytes = writer.finish()?;
         let sample_bytes = header.bytes().unwrap_or(u64::MAX);
-        Ok(Report { sample_bytes, container_bytes, head: self.head.clone(), steps, summaries })
+        Ok(Report { sample_bytes, container_bytes, head: compressor.head, steps, summaries })
     }
 
     /// What the steps are called.

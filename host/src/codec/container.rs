@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Write};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -22,7 +23,7 @@ const MAGIC: [u8; 8] = *b"\x89WLIFT\r\n";
 const END_MAGIC: [u8; 4] = *b"WEND";
 
 /// Magic and version.
-const START_BYTES: usize = 10;
+pub(super) const START_BYTES: usize = 10;
 
 /// Length of the index, its checksum, the end magic.
 pub(super) const FOOTER_BYTES: usize = 4 + 4 + 4;
@@ -56,17 +57,18 @@ pub struct Container {
     metadata: Record<Metadata>,
     steps: Vec<StepRecords>,
     summaries: Record<Vec<Vec<Summary>>>,
-    index: Index,
+    /// `None` for what is left of a damaged file.
+    index: Option<Index>,
 }
 
 /// The records of a time step.
 #[derive(Debug)]
-struct StepRecords {
+pub(super) struct StepRecords {
     step: Record<Step>,
-    /// Where each brick begins; one more, where the last one ends.
-    bricks: Vec<u64>,
-    /// Bytes of the copies behind the bricks.
-    copies: u32,
+    /// Where each brick lies; nowhere, for one that is lost.
+    bricks: Vec<Range<u64>>,
+    /// Where the copies behind the bricks lie.
+    copies: Range<u64>,
 }
 
 impl std::fmt::Debug for Container {
@@ -108,7 +110,20 @@ impl Container {
         }
         let check = |head: &Head| if head.is_sound() { Ok(()) } else { Err("it is contradictory") };
         let head = head.read(&*source, check)?.clone();
-        Ok(Self { source, head, metadata, steps, summaries, index })
+        Ok(Self { source, head, metadata, steps, summaries, index: Some(index) })
+    }
+
+    /// What was found of a damaged file; of statistics, the place of their record, which may be empty.
+    pub(super) fn found(
+        source: Box<dyn ReadAt>,
+        head: Head,
+        steps: Vec<StepRecords>,
+        (metadata, statistics): (Metadata, Range<u64>),
+    ) -> Self {
+        let metadata = Record::found(Kind::Metadata, metadata);
+        let (mut at, bytes) = (statistics.start, (statistics.end - statistics.start) as u32);
+        let summaries = Record::next(Kind::Statistics, &mut at, bytes);
+        Self { source, head, metadata, steps, summaries, index: None }
     }
 
     /// Whether a file begins like a container.
@@ -134,7 +149,7 @@ impl Container {
 
     /// Number of bricks of all time steps and components.
     pub fn bricks(&self) -> u64 {
-        self.steps.iter().map(|step| step.bricks.len() as u64 - 1).sum()
+        self.steps.iter().map(|step| step.bricks.len() as u64).sum()
     }
 
     /// What the source said beside extent and type.
@@ -156,7 +171,7 @@ impl Container {
         let check = |step: &Step| {
             let bricks = step.grid(&self.head).is_sound().then(|| step.grid(&self.head).bricks());
             let bricks = bricks.and_then(|bricks| bricks.checked_mul(self.head.components.into()));
-            match bricks == Some(records.bricks.len() as u64 - 1) && step.number == number {
+            match bricks == Some(records.bricks.len() as u64) && step.number == number {
                 true => step.check(&self.head),
                 false => Err("it has another number, or another number of bricks, than the index says"),
             }
@@ -180,7 +195,7 @@ impl Container {
     /// # Errors
     /// [`ContainerError`], if that is damaged; samples can be read all the same.
     pub fn summaries(&self) -> Result<&[Vec<Summary>], ContainerError> {
-        let bricks = |step: &StepRecords| (step.bricks.len() - 1) / self.head.components as usize;
+        let bricks = |step: &StepRecords| step.bricks.len() / self.head.components as usize;
         let fits = |(step, summaries): (&StepRecords, &Vec<Summary>)| {
             summaries.len() == self.head.components as usize
                 && summaries.iter().all(|summary| summary.bricks.len() == bricks(step))
@@ -201,19 +216,19 @@ impl Container {
     }
 
     /// The place of a brick in the file, with all that is stored of it. The brick is there.
-    pub(super) fn brick_bytes(&self, step: u64, brick: u64, component: u32) -> std::ops::Range<u64> {
-        let bricks = &self.steps[step as usize].bricks;
+    pub(super) fn brick_bytes(&self, step: u64, brick: u64, component: u32) -> Range<u64> {
         let number = (brick * u64::from(self.head.components) + u64::from(component)) as usize;
-        bricks[number]..bricks[number + 1]
+        self.steps[step as usize].bricks[number].clone()
     }
 
     /// Looks whether what is repeated behind the bricks of a step, if anything, is what it repeats.
     pub(super) fn check_copies(&self, step: u64) -> Result<(), ContainerError> {
         let records = &self.steps[step as usize];
-        let position = records.bricks.last().copied().unwrap_or_default();
-        let copies = read(&*self.source, position, records.copies)?;
+        let Some(index) = &self.index else { return Ok(()) };
+        let Range { start, end } = records.copies;
+        let copies = read(&*self.source, start, (end - start) as u32)?;
         let mut rest = &copies[..];
-        let places = [(START_BYTES as u64, self.index.head), self.metadata.place(), records.step.place()];
+        let places = [(START_BYTES as u64, index.head), self.metadata.place(), records.step.place()];
         for (position, len) in places {
             let original = if rest.is_empty() { Vec::new() } else { read(&*self.source, position, len)? };
             rest = rest.strip_prefix(&original[..]).unwrap_or(rest);
@@ -227,7 +242,7 @@ impl Container {
     }
 
     /// Copies bytes of the file.
-    pub(super) fn copy(&self, mut bytes: std::ops::Range<u64>, out: &mut impl Write) -> io::Result<()> {
+    pub(super) fn copy(&self, mut bytes: Range<u64>, out: &mut impl Write) -> io::Result<()> {
         while !bytes.is_empty() {
             let piece = (bytes.end - bytes.start).min(1 << 20) as u32;
             out.write_all(&read(&*self.source, bytes.start, piece)?)?;
@@ -238,20 +253,26 @@ impl Container {
 
     /// Bytes before the last two records, and what these said.
     pub(super) fn for_appending(&self) -> Result<(u64, Index, Vec<Vec<Summary>>), ContainerError> {
-        Ok((self.summaries.position, self.index.clone(), self.summaries()?.to_vec()))
+        let index = self.index.clone().ok_or(damaged("repair it before time steps are appended"))?;
+        Ok((self.summaries.position, index, self.summaries()?.to_vec()))
     }
 }
 
 impl StepRecords {
     fn next(at: &mut u64, entry: &StepEntry) -> Self {
         let step = Record::next(Kind::Step, at, entry.record);
-        let mut bricks = vec![*at];
-        bricks.extend(entry.bricks.iter().map(|&bytes| {
+        let mut next = |bytes: u32| {
+            let start = *at;
             *at += u64::from(bytes);
-            *at
-        }));
-        *at += u64::from(entry.copies);
-        Self { step, bricks, copies: entry.copies }
+            start..*at
+        };
+        let bricks = entry.bricks.iter().map(|&bytes| next(bytes)).collect();
+        Self { step, bricks, copies: next(entry.copies) }
+    }
+
+    /// A step that was found, and where its bricks were.
+    pub(super) fn found(step: Step, bricks: Vec<Range<u64>>) -> Self {
+        Self { step: Record::found(Kind::Step, step), bricks, copies: 0..0 }
     }
 }
 
@@ -270,6 +291,11 @@ impl<T: DeserializeOwned> Record<T> {
         let position = *at;
         *at += u64::from(bytes);
         Self { kind, position, bytes, content: OnceLock::new() }
+    }
+
+    /// A record that was read already.
+    fn found(kind: Kind, content: T) -> Self {
+        Self { kind, position: 0, bytes: 0, content: OnceLock::from(content) }
     }
 
     const fn place(&self) -> (u64, u32) {

@@ -71,6 +71,12 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Whether a level is made of a part of a brick's bytes: bricks without a transform are decoded whole for any, so
+    /// that a level takes as long as full resolution does.
+    pub const fn has_quick_levels(&self) -> bool {
+        self.readable_levels > 0 && (self.wavelet.is_some() || self.form.slack().is_some())
+    }
+
     /// The transform of the bricks.
     pub(super) const fn transform(&self) -> Transform {
         Transform { wavelet: self.wavelet, levels: self.levels }

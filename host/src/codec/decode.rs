@@ -50,7 +50,7 @@ impl Container {
     /// Reads of a brick what a level needs, and compares that with its checksum.
     fn read_brick(&self, place: Place, channel: &Channel, level: u8) -> Result<Stored, Fault> {
         let bytes = self.brick_bytes(place.step, place.brick, place.component);
-        let needed = if level == 0 || !channel.has_prefixes() { u64::MAX } else { FIRST_BYTES };
+        let needed = if level == 0 || !channel.has_quick_levels() { u64::MAX } else { FIRST_BYTES };
         let read = |range: Range<u64>| read(&*self.source, range.start, (range.end - range.start) as u32);
         let mut first = read(bytes.start..bytes.end.min(bytes.start.saturating_add(needed)))?;
         let (label, len) = label_of(&first, place, bytes.end - bytes.start)?;
@@ -113,17 +113,10 @@ impl From<std::io::Error> for Fault {
     }
 }
 
-impl Channel {
-    /// Whether a brick may have codestreams of which a beginning makes a level.
-    const fn has_prefixes(&self) -> bool {
-        self.wavelet.is_some() || self.form.slack().is_some()
-    }
-}
-
 /// The record that a brick of `total` bytes begins with, and its length.
 fn label_of(bytes: &[u8], place: Place, total: u64) -> Result<(BrickLabel, usize), Fault> {
     if total == 0 {
-        return Err(Fault::Data("it is lost: the file was repaired without it"));
+        return Err(Fault::Data("it is lost"));
     }
     let found = record::from_bytes::<BrickLabel>(Kind::Brick, bytes);
     let (label, len) = found.ok_or(Fault::Data("its record contradicts its checksum, or cannot be read"))?;

@@ -4,8 +4,9 @@ use std::num::NonZeroUsize;
 use std::sync::mpsc::channel;
 
 use super::ahead::BUFFERS;
+use super::fill::Holes;
 use super::region::Wanted;
-use super::{Container, ContainerError, Part, Progress, memory, pool};
+use super::{Container, ContainerError, Fill, Lost, Part, Progress, memory, pool};
 use crate::volume::Sink;
 
 /// How a part is decompressed.
@@ -29,9 +30,37 @@ impl Container {
     pub fn decompress(
         &self,
         part: &Part,
-        mut sink: Box<dyn Sink>,
+        sink: Box<dyn Sink>,
         options: &DecompressOptions,
         progress: Progress<'_>,
+    ) -> Result<(), ContainerError> {
+        self.write_part(part, sink, options, (progress, None))
+    }
+
+    /// As [`Container::decompress`], but with `fill` in place of every sample whose brick is lost or damaged; returns
+    /// those bricks, in the order of the file.
+    ///
+    /// # Errors
+    /// As [`Container::decompress`], but for damaged bricks.
+    pub fn decompress_with(
+        &self,
+        part: &Part,
+        sink: Box<dyn Sink>,
+        options: &DecompressOptions,
+        fill: Fill,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Lost>, ContainerError> {
+        let holes = Holes::new(fill);
+        self.write_part(part, sink, options, (progress, Some(&holes)))?;
+        Ok(holes.into_lost())
+    }
+
+    fn write_part(
+        &self,
+        part: &Part,
+        mut sink: Box<dyn Sink>,
+        options: &DecompressOptions,
+        watch: (Progress<'_>, Option<&Holes>),
     ) -> Result<(), ContainerError> {
         let wanted = self.check(part)?;
         let pool = pool(options.threads.map(NonZeroUsize::get))?;
@@ -56,7 +85,7 @@ impl Container {
                     let Ok(mut slab) = empty.recv() else { return Ok(()) };
                     slab.clear();
                     slab.resize(self.bytes_of(&part) as usize, 0);
-                    pool.install(|| self.fill(step, &part, &mut slab, progress))?;
+                    pool.install(|| self.fill(step, &part, &mut slab, watch))?;
                     let _ = full.send(slab);
                     Ok(())
                 });

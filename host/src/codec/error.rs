@@ -215,6 +215,14 @@ pub enum ContainerError {
 }
 
 impl ContainerError {
+    /// Whether the file is one, but not as it was written: [`Container::salvage`](super::Container::salvage) may help.
+    pub const fn is_damage(&self) -> bool {
+        matches!(
+            self,
+            Self::Truncated | Self::Damaged(_) | Self::Record { .. } | Self::Step { .. } | Self::Brick { .. }
+        )
+    }
+
     /// Whose fault it is.
     pub fn kind(&self) -> Fault {
         match self {

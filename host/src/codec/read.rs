@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::brick::{Worker, coarsened};
 use super::content::Place;
+use super::fill::Holes;
 use super::grid::per_axis;
 use super::region::Wanted;
 use super::{Brick, Container, ContainerError, Part, Progress, Statistics, pool};
@@ -96,17 +97,18 @@ impl Container {
         let step_bytes = out.len() / header.steps.max(1) as usize;
         pool(threads.map(NonZeroUsize::get))?.install(|| {
             let steps = wanted.steps.clone().zip(out.chunks_mut(step_bytes.max(1)));
-            steps.into_iter().try_for_each(|(step, out)| self.fill(step, &wanted, out, progress))
+            steps.into_iter().try_for_each(|(step, out)| self.fill(step, &wanted, out, (progress, None)))
         })
     }
 
-    /// Reads what is wanted of a step, on the threads that this is called on.
+    /// Reads what is wanted of a step, on the threads that this is called on. A lost brick is an error, unless something
+    /// is to stand for it.
     pub(super) fn fill(
         &self,
         step: u64,
         wanted: &Wanted,
         out: &mut [u8],
-        progress: Progress<'_>,
+        (progress, holes): (Progress<'_>, Option<&Holes>),
     ) -> Result<(), ContainerError> {
         let grid = self.grid(step)?;
         let bricks = wanted.bricks_of(&grid);
@@ -118,14 +120,20 @@ impl Container {
         let (size, components) = (self.head().element.bytes(), wanted.components.len());
         let target = Mutex::new(Target { values: out, extent: wanted.extent(), size, components });
         places.into_par_iter().try_for_each_init(Worker::new, |worker, place| {
-            let bytes = self.decode(worker, place, wanted.level)?;
             let brick = grid.brick(place.brick);
+            let sides = coarsened(brick.sides, wanted.level);
+            let bytes = match (self.decode(worker, place, wanted.level), holes) {
+                (Err(ContainerError::Brick { .. }), Some(holes)) => {
+                    holes.stand_in(place, &grid, sides.into_iter().product())
+                }
+                (decoded, _) => decoded?,
+            };
             let mut count = 0;
             if let Some((range, to)) = wanted.within(&brick) {
                 count = range.iter().map(|axis| axis.len() as u64).product();
                 let mut target = target.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let component = (place.component - wanted.components.start) as usize;
-                target.scatter(&bytes, coarsened(brick.sides, wanted.level), &range, (to, component));
+                target.scatter(&bytes, sides, &range, (to, component));
             }
             Ok(tell(progress, count)?)
         })

@@ -79,12 +79,12 @@ impl<'a> Scanner<'a> {
         scanner
     }
 
-    /// What the whole record at a place of `source` holds, if there is one.
+    /// The whole record at a place of `source`, if there is one.
     ///
     /// # Errors
     /// What the system says.
-    pub fn record_at(source: &'a dyn ReadAt, at: u64) -> io::Result<Option<Content>> {
-        Ok(Self::new(source).record(at)?.and_then(|found| found.content))
+    pub fn record_at(source: &'a dyn ReadAt, at: u64) -> io::Result<Option<Found>> {
+        Self::new(source).record(at)
     }
 
     /// The record at `at`, if there is one.

@@ -25,9 +25,10 @@ fn stored(volume: &Volume, options: &CompressOptions) -> Container {
 /// The picture of a view, which is the same of the volume and of the compressed file.
 fn picture(volume: &Volume, view: View) -> Picture {
     let mut source = InMemory::new(volume).unwrap();
-    let of_source = of_source(&mut source, view, Select::default()).unwrap();
+    let of_source = of_source(&mut source, view, Select::default(), &ignore).unwrap();
     let bricks = CompressOptions { brick: Some([2; 3]), ..CompressOptions::default() };
-    let of_container = of_container(&stored(volume, &bricks), view, Select::default(), 0, None).unwrap();
+    let of_container =
+        of_container(&stored(volume, &bricks), view, Select::default(), 0, (None, &ignore)).unwrap();
     assert_eq!(of_source, of_container);
     of_source
 }
@@ -71,15 +72,15 @@ fn components_are_colors() {
     let samples = &volume.samples[..48];
     let mut source = InMemory::of(header, samples).unwrap();
     let view = View::Slice(Axis::Z, None);
-    let colors = of_source(&mut source, view, Select { step: 1, component: None }).unwrap();
+    let colors = of_source(&mut source, view, Select { step: 1, component: None }, &ignore).unwrap();
     assert_eq!((colors.size, colors.channels), ([4, 2], 3));
     assert_eq!(colors.shades(colors.usual_window(), Depth::Eight), samples[24..]);
-    let green = of_source(&mut source, view, Select { step: 0, component: Some(1) }).unwrap();
+    let green = of_source(&mut source, view, Select { step: 0, component: Some(1) }, &ignore).unwrap();
     let expected: Vec<f64> = samples[..24].iter().skip(1).step_by(3).map(|&value| value.into()).collect();
     assert_eq!((green.channels, green.values), (1, expected));
-    of_source(&mut source, view, Select { step: 2, component: None }).unwrap_err();
-    of_source(&mut source, view, Select { step: 0, component: Some(3) }).unwrap_err();
-    of_source(&mut source, View::Slice(Axis::Y, Some(2)), Select::default()).unwrap_err();
+    of_source(&mut source, view, Select { step: 2, component: None }, &ignore).unwrap_err();
+    of_source(&mut source, view, Select { step: 0, component: Some(3) }, &ignore).unwrap_err();
+    of_source(&mut source, View::Slice(Axis::Y, Some(2)), Select::default(), &ignore).unwrap_err();
 }
 
 #[test]
@@ -92,7 +93,7 @@ fn coarse_levels_give_the_size_asked_for() {
         assert_eq!(suitable_level(&container, view, 0, size).unwrap(), level, "{size}");
     }
     for level in 0..=2 {
-        let picture = of_container(&container, view, Select::default(), level, None).unwrap();
+        let picture = of_container(&container, view, Select::default(), level, (None, &ignore)).unwrap();
         assert_eq!(picture.size, [64 >> level, 40 >> level]);
         let whole =
             container.read(&crate::codec::Part { level, ..Default::default() }, None, &ignore).unwrap();

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use super::{Axis, Picture};
 use crate::codec::{Container, ContainerError, Part, Region};
-use crate::progress::{Stopped, ignore};
+use crate::progress::{Progress, Stopped, tell};
 use crate::volume::sample::each_f64;
 use crate::volume::{Header, ReadError, Source};
 
@@ -103,7 +103,8 @@ pub fn suitable_level(container: &Container, view: View, step: u64, size: u64) -
     Ok((0..=coarsest).rev().find(is_enough).unwrap_or(0))
 }
 
-/// A picture of a compressed file at a level. A slice that the level has not is that before it.
+/// A picture of a compressed file at a level. A slice that the level has not is that before it. `progress` counts the
+/// values that are read.
 ///
 /// # Errors
 /// [`Shown`].
@@ -114,7 +115,7 @@ pub fn of_container(
     view: View,
     select: Select,
     level: u8,
-    threads: Option<NonZeroUsize>,
+    (threads, progress): (Option<NonZeroUsize>, Progress<'_>),
 ) -> Result<Picture, Shown> {
     let whole = container.header()?;
     check(&whole, select)?;
@@ -138,20 +139,25 @@ pub fn of_container(
     while z < to[2] {
         let end = z.saturating_add(slab).min(to[2]);
         let ([x0, y0, _], [x1, y1, _]) = (from, to);
-        let values = container.read_values(&part([x0, y0, z], [x1, y1, end]), threads, &ignore)?;
+        let values = container.read_values(&part([x0, y0, z], [x1, y1, end]), threads, progress)?;
         canvas.add(&values, (z - from[2]).div_ceil(step));
         z = end;
     }
     Ok(canvas.finish())
 }
 
-/// A picture of any file, at full resolution.
+/// A picture of any file, at full resolution. `progress` counts the values that are read.
 ///
 /// # Errors
 /// [`Shown`].
 ///
 /// Cost: one pass over the time step, or over one plane for a slice along z; memory for one plane.
-pub fn of_source(source: &mut dyn Source, view: View, select: Select) -> Result<Picture, Shown> {
+pub fn of_source(
+    source: &mut dyn Source,
+    view: View,
+    select: Select,
+    progress: Progress<'_>,
+) -> Result<Picture, Shown> {
     let header = source.header().clone();
     check(&header, select)?;
     let range = range_of(view, header.extent)?;
@@ -168,6 +174,7 @@ pub fn of_source(source: &mut dyn Source, view: View, select: Select) -> Result<
     for z in planes[0]..planes[1] {
         source.read(&mut values)?;
         canvas.add(&values, z);
+        tell(progress, (len / header.element.bytes()) as u64)?;
     }
     Ok(canvas.finish())
 }

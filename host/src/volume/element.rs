@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::sample::Sample;
+
 /// Type of one sample in a file: integers and IEEE 754 floats of 8 to 64 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "each variant is its own name")]
@@ -180,6 +182,29 @@ pub(super) fn write_samples(
         out.write_all(&buffer)?;
     }
     Ok(())
+}
+
+/// The value of a type that a text says, little-endian from the first byte on: exactly for integers, the nearest for
+/// floats. `None` for what is no such value.
+pub(crate) fn value_of_text(element: ElementType, text: &str) -> Option<[u8; 8]> {
+    fn parse<T: Sample + FromStr>(text: &str) -> Option<[u8; 8]> {
+        let value: T = text.parse().ok()?;
+        let mut bytes = [0; 8];
+        bytes[..size_of::<T>()].copy_from_slice(bytemuck::bytes_of(&T::of_little(value)));
+        Some(bytes)
+    }
+    match element {
+        ElementType::U8 => parse::<u8>(text),
+        ElementType::I8 => parse::<i8>(text),
+        ElementType::U16 => parse::<u16>(text),
+        ElementType::I16 => parse::<i16>(text),
+        ElementType::U32 => parse::<u32>(text),
+        ElementType::I32 => parse::<i32>(text),
+        ElementType::U64 => parse::<u64>(text),
+        ElementType::I64 => parse::<i64>(text),
+        ElementType::F32 => parse::<f32>(text),
+        ElementType::F64 => parse::<f64>(text),
+    }
 }
 
 #[cfg(test)]

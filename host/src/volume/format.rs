@@ -1,6 +1,6 @@
 //! The formats of files, and how one is known.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +94,11 @@ pub(super) trait Format: Sync {
 
     /// Opens a file that was known by its first bytes, none of which is consumed.
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError>;
+
+    /// The files that are written where one is made at a path, or may be.
+    fn writes(&self, path: &Path) -> Vec<PathBuf> {
+        vec![path.to_owned()]
+    }
 
     /// Begins a file.
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError>;

@@ -1,9 +1,8 @@
 //! Files, pipes and devices that are read, with a watch on how many bytes are left.
 
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use super::ReadError;
 use super::spool::Spool;
@@ -19,21 +18,6 @@ pub(super) struct Input {
     position: u64,
     /// Bytes of the file, unless it is a pipe or a device.
     bytes: Option<u64>,
-    /// The same file, and what it was like when it was opened.
-    watched: Option<(File, Stamp)>,
-}
-
-/// What changes with a file that is written to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Stamp {
-    bytes: u64,
-    modified: Option<SystemTime>,
-}
-
-impl Stamp {
-    fn of(metadata: &Metadata) -> Self {
-        Self { bytes: metadata.len(), modified: metadata.modified().ok() }
-    }
 }
 
 impl Input {
@@ -54,13 +38,11 @@ impl Input {
         let wrap = || {
             let metadata = file.metadata()?;
             let bytes = metadata.is_file().then_some(metadata.len());
-            let watched = bytes.map(|_| Ok::<_, io::Error>((file.try_clone()?, Stamp::of(&metadata))));
-            let watched = watched.transpose()?;
             let reader: Box<dyn ReadSeek> = match bytes {
                 Some(_) => Box::new(file),
                 None => Box::new(Spool::new(file)?),
             };
-            Ok(Self { reader: BufReader::new(reader), path: path.to_owned(), position: 0, bytes, watched })
+            Ok(Self { reader: BufReader::new(reader), path: path.to_owned(), position: 0, bytes })
         };
         wrap().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })
     }
@@ -70,7 +52,7 @@ impl Input {
     pub(super) fn from_bytes(bytes: &[u8]) -> Self {
         let reader: Box<dyn ReadSeek> = Box::new(io::Cursor::new(bytes.to_vec()));
         let bytes = Some(bytes.len() as u64);
-        Self { reader: BufReader::new(reader), path: "memory".into(), position: 0, bytes, watched: None }
+        Self { reader: BufReader::new(reader), path: "memory".into(), position: 0, bytes }
     }
 
     /// Path given to [`open`](Self::open).
@@ -81,13 +63,6 @@ impl Input {
     /// Bytes not yet read, unless this is a FIFO or a device.
     pub(super) fn left(&self) -> Option<u64> {
         self.bytes.map(|bytes| bytes.saturating_sub(self.position))
-    }
-
-    /// Looks whether the file is still what it was when it was opened.
-    pub(super) fn check_unchanged(&self) -> Result<(), ReadError> {
-        let Some((file, stamp)) = &self.watched else { return Ok(()) };
-        let now = file.metadata().map_err(|cause| self.io(cause))?;
-        if Stamp::of(&now) == *stamp { Ok(()) } else { Err(ReadError::Changed { path: self.path.clone() }) }
     }
 
     /// Bytes before the next one.

@@ -113,6 +113,10 @@ impl Source for Joined {
     fn is_random(&self) -> bool {
         self.layout.encoding == Encoding::Raw
     }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
 }
 
 /// Names of files in a pattern such as `slice%03d.raw`, for numbers from `first` to `last` by `step`, beside `header`.

@@ -14,11 +14,13 @@ mod geometry;
 mod header;
 mod input;
 mod joined;
+mod jpeg;
 mod metadata;
 mod metaimage;
 mod nifti;
 mod npy;
 mod nrrd;
+mod overwritten;
 mod packbits;
 mod planes;
 mod png;
@@ -33,6 +35,7 @@ mod stream;
 pub mod synthetic;
 mod tiff;
 mod vtk;
+mod watched;
 #[cfg(feature = "zarr")]
 mod zarr;
 
@@ -41,6 +44,7 @@ use std::path::Path;
 pub use axis::Axis;
 pub use copy::{CopyError, copy};
 pub use dicom::DicomError;
+pub(crate) use element::value_of_text;
 pub use element::{ByteOrder, ElementType, UnknownByteOrder, UnknownElementType};
 pub(crate) use error::excerpt;
 pub use error::{Fault, Found, ReadError, WriteError, in_words};
@@ -53,6 +57,7 @@ pub use metaimage::MetaImageError;
 pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use overwritten::overwritten;
 pub use png::PngError;
 pub use pnm::PnmError;
 pub use raw::RawLayout;
@@ -147,8 +152,14 @@ pub fn read_known(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> 
 /// Bytes that are read, and for which memory is taken, at a time.
 const PIECE_BYTES: u64 = 1 << 22;
 
-/// Reads all samples of one volume of single values.
-fn read_all(path: &Path, mut source: Box<dyn Source>) -> Result<Volume, ReadError> {
+/// Reads all samples of a source, which is that of a file at `path` and one volume of single values, into memory.
+///
+/// # Errors
+///
+/// As [`read`], but for those of opening.
+///
+/// Cost: as [`read`].
+pub fn read_all(path: &Path, mut source: Box<dyn Source>) -> Result<Volume, ReadError> {
     let Header { extent, components, steps, element, metadata } = source.header().clone();
     if !source.header().is_scalar() {
         return Err(ReadError::NotScalar { path: path.to_owned(), components, steps });

@@ -8,6 +8,11 @@ use super::{Header, ReadError, Sink, Source, WriteError};
 pub(super) trait Planes: Send {
     /// Fills `out` with plane `index`, its values as [`Header`] orders them; planes are counted along z, then time.
     fn read(&mut self, index: u64, out: &mut [u8]) -> Result<(), ReadError>;
+
+    /// The files that they are in, if there are others than the one that was opened.
+    fn files(&self) -> Option<Vec<PathBuf>> {
+        None
+    }
 }
 
 /// A source of planes. At most one is held: that of which a part was read.
@@ -95,6 +100,10 @@ impl<P: Planes> Source for PlaneSource<P> {
 
     fn is_random(&self) -> bool {
         true
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.planes.files().unwrap_or_else(|| vec![self.path.clone()])
     }
 }
 

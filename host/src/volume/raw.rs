@@ -1,6 +1,6 @@
 //! Raw files: samples only, in a layout that the user knows.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::format::Format;
 use super::input::Input;
@@ -83,6 +83,10 @@ impl Source for RawSource {
 
     fn is_random(&self) -> bool {
         self.stored.is_random()
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.stored.files()
     }
 }
 

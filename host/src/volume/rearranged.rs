@@ -85,6 +85,8 @@ fn strides(counts: &[u64], order: &[usize]) -> Vec<Stride> {
 /// an axis whose values have others between them, those are read as well and passed over.
 struct Rearranged {
     inner: Box<dyn Source>,
+    /// Those of the source that was opened, which may have been copied.
+    files: Vec<PathBuf>,
     strides: Vec<Stride>,
     /// Axis along which runs are read.
     along: usize,
@@ -100,8 +102,9 @@ impl Rearranged {
     /// compressed come out of a temporary file.
     fn new(inner: Box<dyn Source>, path: &Path, axes: &[Axis]) -> Result<Self, ReadError> {
         let counts: Vec<u64> = axes.iter().map(|axis| inner.header().count(*axis)).collect();
+        let files = inner.files();
         let inner = if inner.is_random() { inner } else { Box::new(unpacked(inner, path)?) };
-        Ok(Self::with_order(inner, &counts, &canonical(axes)))
+        Ok(Self { files, ..Self::with_order(inner, &counts, &canonical(axes)) })
     }
 
     fn with_order(inner: Box<dyn Source>, counts: &[u64], order: &[usize]) -> Self {
@@ -111,7 +114,7 @@ impl Rearranged {
         let along =
             strides.iter().position(is_dense).or_else(|| strides.iter().position(closest)).unwrap_or(0);
         let block = strides[..along].iter().map(|stride| stride.count).product();
-        Self { inner, strides, along, block, at: 0, span: Vec::new() }
+        Self { inner, files: Vec::new(), strides, along, block, at: 0, span: Vec::new() }
     }
 
     /// Place in the file of value `index` of the wanted order, and how far it is along the axis of runs.
@@ -176,6 +179,10 @@ impl Rearranged {
 impl Source for Rearranged {
     fn header(&self) -> &Header {
         self.inner.header()
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
     }
 
     fn read(&mut self, out: &mut [u8]) -> Result<(), ReadError> {

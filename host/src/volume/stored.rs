@@ -40,14 +40,6 @@ impl Reader {
         }
     }
 
-    fn input(&self) -> &Input {
-        match self {
-            Self::Raw(input) => input,
-            Self::Gzip(decoder) => decoder.get_ref(),
-            Self::Zlib(decoder) => decoder.get_ref(),
-        }
-    }
-
     fn into_input(self) -> Input {
         match self {
             Self::Raw(input) => input,
@@ -170,9 +162,6 @@ impl Source for Stored {
         }
         self.at += out.len() as u64;
         reorder(out, self.header.element, self.place.byte_order);
-        if self.at == self.bytes {
-            self.reader().input().check_unchanged()?;
-        }
         if self.at == self.bytes && !self.place.is_open_ended {
             let more = self.reader().read(&mut [0]).map_err(|cause| self.fault(cause))?;
             if more > 0 {
@@ -203,6 +192,10 @@ impl Source for Stored {
 
     fn is_random(&self) -> bool {
         self.place.encoding == Encoding::Raw
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.path.clone()]
     }
 }
 

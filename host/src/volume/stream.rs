@@ -1,10 +1,11 @@
 //! Files of volumes as streams: samples come and go a piece at a time, so that no more than a piece is in memory.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::format::Format;
 use super::input::Input;
 use super::slices::{self, Pattern};
+use super::watched::Watched;
 use super::{Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
 
 /// A file of a data set that is being read.
@@ -30,6 +31,18 @@ pub trait Source: Send {
 
     /// Whether going to a place costs little; in compressed samples it means to decompress all that lies before.
     fn is_random(&self) -> bool;
+
+    /// Asks for no more than so many bytes of values to be held at a time, where more than a piece or a plane is held:
+    /// what has to be decoded as a whole is held as a whole. Returns the bytes that will be held, about.
+    fn hold_at_most(&mut self, _bytes: u64) -> u64 {
+        0
+    }
+
+    /// The files that hold the values, or the folder of an array; none for memory. The last call of [`Source::read`] of
+    /// what [`open`] gives also finds out whether one of them has changed.
+    fn files(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }
 
 /// A file of a data set that is being written. It appears whole when it is finished, or not at all.
@@ -70,10 +83,11 @@ impl std::fmt::Debug for Created {
 ///
 /// Cost: that of reading the header. A pipe is copied to a temporary file as it is read.
 pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
-    match layout.copied() {
+    let source = match layout.copied() {
         Some(layout) => open_each(path, true, move |file| raw::open(Input::open(file)?, &layout)),
         None => open_by_format(path, None),
-    }
+    };
+    Ok(Box::new(Watched::new(source?)))
 }
 
 /// As [`open`] without a layout, but where the file is raw, it is taken to have that one.
@@ -81,7 +95,7 @@ pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, 
 /// # Errors
 /// As [`open`], but for [`ReadError::NoLayout`].
 pub fn open_known(path: &Path, layout: &RawLayout) -> Result<Box<dyn Source>, ReadError> {
-    open_by_format(path, Some(layout))
+    Ok(Box::new(Watched::new(open_by_format(path, Some(layout))?)))
 }
 
 fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {

@@ -94,6 +94,38 @@ fn compressed_files_and_the_input_itself_are_refused() {
 }
 
 #[test]
+fn the_samples_of_the_input_are_not_overwritten() {
+    let folder = Folder::new();
+    let samples = smooth_u16([9, 7, 5]);
+    folder.write("in.raw", &samples);
+    folder.run("convert in.raw a.nhdr --extent 9x7x5 --type u16").silent();
+    folder.run("convert in.raw b.mhd --extent 9x7x5 --type u16").silent();
+    folder.run("convert a.nhdr s_%02d.png").ok();
+    let before = folder.everything();
+    for (line, file) in [
+        ("convert a.nhdr a.raw", "a.raw"),
+        ("convert a.nhdr ./a.raw --output-byte-order big", "a.raw"),
+        ("convert a.nhdr a.mhd", "a.raw"),
+        ("convert b.mhd b.raw", "b.raw"),
+        ("compress a.nhdr a.raw", "a.raw"),
+        ("preview a.nhdr a.raw", "a.raw"),
+        ("transform a.nhdr a.raw --wavelet haar --levels 1", "a.raw"),
+        ("convert s_%02d.png s_01.png", "s_01.png"),
+        ("convert s_*.png s_03.png", "s_03.png"),
+        ("compress s_%02d.png s_04.png", "s_04.png"),
+    ] {
+        folder.run(line).fails(2, &["would overwrite", file]);
+    }
+    folder.run("compress a.nhdr a.nhdr").fails(2, &["is the input as well"]);
+    folder.run("convert s_%02d.png s_%02d.png").fails(2, &["there already"]);
+    assert!(folder.everything() == before);
+    folder.run("convert a.nhdr c.zarr").ok();
+    folder.run("convert c.zarr c.zarr").fails(2, &["would overwrite"]);
+    folder.run("convert c.zarr c.zarr/zarr.json").fails(2, &["would overwrite"]);
+    folder.run("convert c.zarr d.nrrd").ok();
+}
+
+#[test]
 fn a_file_cut_short_leaves_the_old_output() {
     let folder = Folder::new();
     folder.write("whole.raw", noise(9_000_000, 5));

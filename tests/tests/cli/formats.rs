@@ -230,3 +230,24 @@ fn file_names_need_not_be_text() {
     assert_eq!(folder.read(back), [1, 2, 3, 4]);
     folder.run_words(&[OsStr::new("info"), back]).fails(3, &[".raw: not a wavelift file"]);
 }
+
+#[test]
+fn a_damaged_index_of_a_shard_is_told_in_one_line() {
+    let folder = Folder::new();
+    folder.write("in.raw", [7; 120]);
+    folder.run("convert in.raw a.zarr --extent 5x4x3 --type u16").silent();
+    let file = "a.zarr/zarr.json";
+    let mut array: serde_json::Value = serde_json::from_slice(&folder.read(file)).unwrap();
+    let index = serde_json::json!([{ "name": "bytes", "configuration": { "endian": "little" } }]);
+    array["codecs"] = serde_json::json!([{ "name": "sharding_indexed", "configuration": {
+        "chunk_shape": [3, 4, 5], "codecs": array["codecs"], "index_codecs": index, "index_location": "end" } }]);
+    folder.write(file, array.to_string());
+    for [start, length] in [[u64::MAX - 5, 120], [0, u64::MAX - 1], [1 << 40, 1 << 40], [100, 120]] {
+        let table = [start, length].map(u64::to_le_bytes).concat();
+        folder.write("a.zarr/c/0/0/0", [&[7; 120][..], &table].concat());
+        let outcome = folder.run("convert a.zarr out.nrrd");
+        let told = outcome.stderr();
+        assert!(told.starts_with("wavelift: a.zarr: ") && told.lines().count() == 1, "{told}");
+        outcome.fails(3, &["a.zarr"]);
+    }
+}

@@ -118,6 +118,8 @@ fn a_signal_ends_the_program_and_leaves_no_file() {
             "compress /dev/stdin old.wlift --extent 2097152 --type u8",
             "compress /dev/stdin new.wlift --extent 2097152 --type u8",
             "tables /dev/stdin --extent 2097152 --type u8 --svg new.svg",
+            "preview /dev/stdin new.png --extent 1024x2048 --type u8",
+            "surface build /dev/stdin new.wsurf --iso 100 --extent 128x128x128 --type u8",
         ] {
             let mut child = begun(folder.command().args(line.split(' ')));
             send(&child, signal);
@@ -137,7 +139,12 @@ fn a_signal_ends_a_program_that_computes_or_waits_for_a_reader() {
     folder.write("out.raw", "old");
     folder.run("decompress a.wlift whole.raw").silent();
     let before = folder.everything();
-    for line in ["compress whole.raw a.wlift --extent 96x96x96 --type u16", "decompress a.wlift out.raw"] {
+    for line in [
+        "compress whole.raw a.wlift --extent 96x96x96 --type u16",
+        "decompress a.wlift out.raw",
+        "preview a.wlift a.png --mip x --level 0",
+        "surface build whole.raw a.wsurf --iso 30000 --extent 96x96x96 --type u16",
+    ] {
         let mut child = folder.command().args(line.split(' ')).spawn().unwrap();
         sleep(Duration::from_millis(30));
         send(&child, "INT");
@@ -200,10 +207,7 @@ fn an_input_that_changes_while_it_is_read_is_told() {
     let folder = Folder::new();
     let open = || std::fs::OpenOptions::new().write(true).open(folder.path("in.raw")).unwrap();
     let changes: [(&dyn Fn(), &str); 3] = [
-        (
-            &|| open().set_len(6 << 20).unwrap(),
-            "in.raw: 12582912 of u8 is 12582912 bytes, the file has 6291456",
-        ),
+        (&|| open().set_len(6 << 20).unwrap(), "in.raw: has changed while it was read"),
         (&|| open().set_len(13 << 20).unwrap(), "in.raw: has changed while it was read"),
         (&|| open().write_all(&[7; 100]).unwrap(), "in.raw: has changed while it was read"),
     ];

@@ -26,7 +26,7 @@ fn a_damaged_brick_is_lost_and_the_others_are_not() {
     let folder = prepared();
     let mut bytes = folder.read("a.wlift");
     let middle = bytes.len() * 3 / 16;
-    bytes[middle] ^= 1;
+    bytes[middle..][..9].fill(0);
     folder.write("bad.wlift", &bytes);
     folder.write("old.wlift", "old");
     for name in ["new.wlift", "old.wlift"] {
@@ -45,6 +45,58 @@ fn a_damaged_brick_is_lost_and_the_others_are_not() {
         (&document["lost"], &document["bricks"], &document["lost_metadata"]),
         (&lost, &json!(8), &json!(false))
     );
+}
+
+#[test]
+fn a_single_wrong_byte_is_put_right() {
+    let folder = prepared();
+    let whole = folder.read("a.wlift");
+    // In the head, a brick, and the footer.
+    for byte in [15, whole.len() / 2, whole.len() - 2] {
+        let mut bytes = whole.clone();
+        bytes[byte] ^= 1;
+        folder.write("bad.wlift", &bytes);
+        folder.run("verify bad.wlift").fails(3, &["bad.wlift"]);
+        let outcome = folder.run("repair bad.wlift good.wlift").ok();
+        assert_eq!(outcome.stdout(), "good.wlift: all 8 bricks saved\n");
+        assert!(folder.read("good.wlift") == whole, "byte {byte}");
+        folder.run("decompress bad.wlift out.raw --salvage").ok();
+        assert!(folder.read("out.raw") == folder.read("in.raw"), "byte {byte}");
+    }
+    let mut bytes = whole;
+    bytes[15] ^= 1;
+    folder.write("bad.wlift", &bytes);
+    let told = folder.run("repair bad.wlift good.wlift");
+    assert!(told.stderr().contains("bad.wlift: byte 15 was wrong, and is put right"), "{}", told.stderr());
+}
+
+#[test]
+fn what_is_left_is_decompressed_and_the_rest_filled() {
+    let folder = prepared();
+    let mut bytes = folder.read("a.wlift");
+    let middle = bytes.len() * 3 / 16;
+    bytes[middle..][..9].fill(0);
+    folder.write("bad.wlift", &bytes);
+    folder.run("decompress bad.wlift out.raw").fails(3, &["brick 1 (samples 16:32,0:16,0:16)", "--salvage"]);
+    let lost = ["lost: brick 1 (samples 16:32,0:16,0:16)", "1 of the bricks asked for are lost, and filled"];
+    folder.run("decompress bad.wlift out.raw --salvage --fill 7").fails(3, &lost);
+    let mut expected = folder.read("in.raw");
+    for plane in expected.chunks_mut(32 * 32).take(16) {
+        plane.chunks_mut(32).take(16).for_each(|row| row[16..].fill(7));
+    }
+    assert!(folder.read("out.raw") == expected);
+    // Where nothing is missing, all is well.
+    folder.run("decompress bad.wlift part.raw --salvage --region 0:16").ok();
+    folder.run("decompress a.wlift same.raw --salvage").silent();
+    assert!(folder.read("same.raw") == folder.read("in.raw"));
+    // Cut short, and the index gone.
+    folder.write("cut.wlift", &bytes[..bytes.len() * 9 / 16]);
+    let line = "decompress cut.wlift out.raw --salvage --json";
+    let document = folder.run(line).fails_with_json(3, "5 of the bricks asked for are lost");
+    assert_eq!(document["lost"][0]["region"], json!("16:32,0:16,0:16"));
+    assert_eq!((document["lost"].as_array().unwrap().len(), &document["mended"]), (5, &json!([])));
+    folder.run("decompress a.wlift out.raw --fill 7").fails(2, &["--salvage"]);
+    folder.run("decompress bad.wlift out.raw --salvage --fill 256").fails(2, &["'256' is no value of u8"]);
 }
 
 #[test]

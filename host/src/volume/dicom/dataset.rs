@@ -37,17 +37,29 @@ const FRAME_GROUPS: [Tag; 2] = [0x5200_9229, 0x5200_9230];
 pub(super) struct Syntax {
     is_implicit: bool,
     pub(super) byte_order: ByteOrder,
-    pub(super) is_rle: bool,
+    pub(super) packing: Packing,
+}
+
+/// How pixels are made smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Packing {
+    /// Not at all.
+    None,
+    /// Run lengths.
+    Rle,
+    /// Baseline, extended or lossless.
+    Jpeg,
 }
 
 impl Syntax {
     fn of(uid: &str) -> Result<Self, DicomError> {
-        let plain = Self { is_implicit: false, byte_order: ByteOrder::Little, is_rle: false };
+        let plain = Self { is_implicit: false, byte_order: ByteOrder::Little, packing: Packing::None };
         let name = match uid.strip_prefix("1.2.840.10008.1.2").unwrap_or("?") {
             "" => return Ok(Self { is_implicit: true, ..plain }),
             ".1" => return Ok(plain),
             ".2" => return Ok(Self { byte_order: ByteOrder::Big, ..plain }),
-            ".5" => return Ok(Self { is_rle: true, ..plain }),
+            ".5" => return Ok(Self { packing: Packing::Rle, ..plain }),
+            ".4.50" | ".4.51" | ".4.57" | ".4.70" => return Ok(Self { packing: Packing::Jpeg, ..plain }),
             ".1.99" => "deflate",
             ".4.80" | ".4.81" => "JPEG-LS",
             ".4.90" | ".4.91" | ".4.92" | ".4.93" => "JPEG 2000",
@@ -96,7 +108,7 @@ impl DataSet {
         if input.read_exact(&mut magic).is_err() || &magic != b"DICM" {
             return Err(DicomError::Magic);
         }
-        let syntax = Syntax { is_implicit: false, byte_order: ByteOrder::Little, is_rle: false };
+        let syntax = Syntax { is_implicit: false, byte_order: ByteOrder::Little, packing: Packing::None };
         let mut reader = Reader {
             input,
             syntax,

@@ -3,13 +3,15 @@
 use std::io::Read;
 
 use super::DicomError;
-use super::dataset::{DataSet, Pixels};
+use super::dataset::{DataSet, Packing, Pixels};
 use crate::volume::element::reorder;
 use crate::volume::input::Input;
+use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
 
 const SAMPLES: u32 = 0x0028_0002;
+const PHOTOMETRIC: u32 = 0x0028_0004;
 const PLANAR: u32 = 0x0028_0006;
 const FRAMES: u32 = 0x0028_0008;
 const ROWS: u32 = 0x0028_0010;
@@ -35,6 +37,9 @@ pub(super) struct Layout {
     pub(super) byte_order: ByteOrder,
     /// Bytes that lie in words of the other order.
     is_swapped: bool,
+    packing: Packing,
+    /// Whether colours are red, green and blue.
+    is_rgb: bool,
     pixels: Pixels,
 }
 
@@ -86,10 +91,12 @@ impl Layout {
             stored,
             high_bit,
             byte_order,
+            packing: set.syntax.packing,
+            is_rgb: set.text(PHOTOMETRIC).is_some_and(|name| name == "RGB"),
             is_swapped: byte_order == ByteOrder::Big && allocated == 8 && is_words,
             pixels: set.pixels.clone(),
         };
-        layout.check(set)?;
+        layout.check()?;
         Ok(layout)
     }
 
@@ -99,18 +106,22 @@ impl Layout {
     }
 
     /// Whether pixels are as many as frames need, as far as lengths tell.
-    fn check(&self, set: &DataSet) -> Result<(), DicomError> {
+    fn check(&self) -> Result<(), DicomError> {
         let expected = self.bytes().saturating_mul(self.frames);
         match &self.pixels {
             // A byte may follow to make the length even.
             Pixels::Native { bytes, .. } if *bytes < expected || *bytes > expected.saturating_add(1) => {
                 Err(DicomError::PixelBytes { found: *bytes, expected })
             }
-            Pixels::Native { .. } if !set.syntax.is_rle => Ok(()),
-            Pixels::Frames(frames) if set.syntax.is_rle => match frames.len() as u64 == self.frames {
-                true => Ok(()),
-                false => Err(DicomError::PixelBytes { found: frames.len() as u64, expected: self.frames }),
-            },
+            Pixels::Native { .. } if self.packing == Packing::None => Ok(()),
+            Pixels::Frames(frames) if self.packing != Packing::None => {
+                // A single frame of JPEG may come in several parts.
+                let is_in_parts = self.packing == Packing::Jpeg && self.frames == 1 && !frames.is_empty();
+                match frames.len() as u64 == self.frames || is_in_parts {
+                    true => Ok(()),
+                    false => Err(DicomError::Frames { found: frames.len() as u64, expected: self.frames }),
+                }
+            }
             _ => Err(DicomError::Damaged { what: "the transfer syntax" }),
         }
     }
@@ -146,11 +157,19 @@ impl Layout {
                 }
             }
             Pixels::Frames(frames) => {
-                let (start, bytes) = *frames.get(frame as usize).ok_or_else(damaged)?;
-                input.seek(start).map_err(|_| damaged())?;
+                let parts = match frames.len() as u64 == self.frames {
+                    true => frames.get(frame as usize..=frame as usize).ok_or_else(damaged)?,
+                    false => &frames[..],
+                };
                 let mut stored = Vec::new();
-                input.take(bytes).read_to_end(&mut stored).map_err(|_| damaged())?;
-                self.unpack(&stored, out).ok_or_else(damaged)?;
+                for &(start, bytes) in parts {
+                    input.seek(start).map_err(|_| damaged())?;
+                    input.take(bytes).read_to_end(&mut stored).map_err(|_| damaged())?;
+                }
+                match self.packing {
+                    Packing::Jpeg => out.copy_from_slice(&self.decode(&stored)?),
+                    _ => self.unpack(&stored, out).ok_or_else(damaged)?,
+                }
             }
         }
         self.clear(out);
@@ -166,6 +185,18 @@ impl Layout {
                 sample[plane * bytes..][..bytes].copy_from_slice(value);
             }
         }
+    }
+
+    /// A frame of JPEG.
+    fn decode(&self, stored: &[u8]) -> Result<Vec<u8>, DicomError> {
+        let expected = jpeg::Expected {
+            width: self.columns.into(),
+            height: self.rows.into(),
+            components: self.samples.into(),
+            bytes: self.element.bytes(),
+            is_rgb: Some(self.is_rgb),
+        };
+        jpeg::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
     }
 
     /// A frame of run lengths: a segment for each byte of a value, the most significant one first.

@@ -41,7 +41,7 @@ pub enum DicomError {
     NoPixels,
     /// A transfer syntax that is not read.
     #[error(
-        "the transfer syntax {uid} ({name}) is not read: decompress it with `dcmdjpeg`, `dcmdrle` or `gdcmconv --raw`"
+        "the transfer syntax {uid} ({name}) is not read: decompress it with `gdcmconv --raw`, or `dcmdjpls` for JPEG-LS"
     )]
     Syntax {
         /// Its identifier.
@@ -62,6 +62,24 @@ pub enum DicomError {
         found: u64,
         /// Those that are needed.
         expected: u64,
+    },
+    /// More or fewer frames than it says.
+    #[error(
+        "it has {found} frames or parts of them, and says {expected}: frames of several parts are not read"
+    )]
+    Frames {
+        /// Those that are there.
+        found: u64,
+        /// Those that it says.
+        expected: u64,
+    },
+    /// A frame of JPEG that cannot be decoded, or is another one.
+    #[error(
+        "a frame of JPEG is not what it should be: {cause}: decompress it with `dcmdjpeg` or `gdcmconv --raw`"
+    )]
+    Jpeg {
+        /// What is wrong with it.
+        cause: String,
     },
     /// Files of several series.
     #[error("holds several series; give one as FOLDER/SERIES:{list}")]
@@ -214,5 +232,9 @@ impl Planes for Stack {
         let Some((_, input)) = &mut self.current else { return Ok(()) };
         let path = input.path().to_owned();
         self.series.layout(file).read(input, frame, out).map_err(|cause| fault(&path, cause))
+    }
+
+    fn files(&self) -> Option<Vec<PathBuf>> {
+        Some(self.series.files())
     }
 }

@@ -191,6 +191,11 @@ impl Series {
         if self.parts.len() == 1 { (0, index) } else { (index as usize, 0) }
     }
 
+    /// All files, in their order.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        self.parts.iter().map(|part| part.path.clone()).collect()
+    }
+
     pub(super) fn path(&self, file: usize) -> &Path {
         &self.parts[file].path
     }

@@ -87,6 +87,12 @@ impl Format for MetaImage {
         }
     }
 
+    fn writes(&self, path: &Path) -> Vec<PathBuf> {
+        let data: &[&str] = if has_extension(path, &["mhd"]) { &["raw", "zraw"] } else { &[] };
+        let data = data.iter().map(|extension| path.with_extension(extension));
+        std::iter::once(path.to_owned()).chain(data).collect()
+    }
+
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
         let encoding = if options.gzip { Encoding::Zlib } else { Encoding::Raw };
         let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);

@@ -81,6 +81,13 @@ impl Format for Nifti {
         stored(input, &file, header, &axes)
     }
 
+    fn writes(&self, path: &Path) -> Vec<PathBuf> {
+        match has_extension(path, &["nii", "nii.gz"]) {
+            true => vec![path.to_owned()],
+            false => ["hdr", "img"].map(|extension| partner(path, extension)).into(),
+        }
+    }
+
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
         let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
         let is_pair = !has_extension(path, &["nii", "nii.gz"]);

@@ -65,7 +65,7 @@ pub enum NrrdError {
         "samples of type `block` are no numbers and cannot be compressed as such: convert the file first"
     )]
     BlockType,
-    /// Samples as text, or compressed in another way.
+    /// Samples that are stored in another way.
     #[error(
         "the encoding {found} is not read: save as `raw` or `gzip` first, such as with `unu save -f nrrd -e raw`"
     )]
@@ -73,6 +73,17 @@ pub enum NrrdError {
         /// The value of `encoding`.
         found: String,
     },
+    /// Samples that are not what their encoding says.
+    #[error("the samples, which are {encoding}, are damaged: {cause}")]
+    Samples {
+        /// The encoding.
+        encoding: &'static str,
+        /// What is wrong with them.
+        cause: String,
+    },
+    /// Samples as text, or compressed with bzip2, in several files.
+    #[error("samples as ascii, hex or bzip2 in several files are not read: save as `raw` or `gzip` first")]
+    SeveralFiles,
     /// Files by numbers that are none, or too many.
     #[error(
         "field `data file` of the header: {found} with numbers from {first} to {last} by {step} names no files"

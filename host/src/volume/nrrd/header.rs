@@ -3,6 +3,7 @@
 use std::io::{BufRead, Read};
 
 use super::NrrdError;
+use super::decoded::Method;
 use crate::volume::error::excerpt;
 use crate::volume::input::Input;
 use crate::volume::metadata::is_same_name;
@@ -81,6 +82,8 @@ pub(super) struct Header {
     pub(super) element: ElementType,
     pub(super) byte_order: ByteOrder,
     pub(super) encoding: Encoding,
+    /// How the samples are to be decoded before they are read, if at all.
+    pub(super) method: Option<Method>,
     pub(super) data_file: Option<DataFile>,
     pub(super) line_skip: u64,
     pub(super) byte_skip: ByteSkip,
@@ -114,8 +117,8 @@ impl Header {
 
         let sizes = fields.sizes()?;
         let element = fields.element()?;
-        let encoding = fields.encoding()?;
-        let byte_order = fields.byte_order(element)?;
+        let (encoding, method) = fields.encoding()?;
+        let byte_order = fields.byte_order(element, method)?;
         let data_file = fields.data_file()?;
         let line_skip = match fields.take("line skip")? {
             None => 0,
@@ -131,7 +134,7 @@ impl Header {
         fields.take("number")?;
         fields.take("block size")?;
         let lines = fields.lines;
-        Ok(Self { sizes, element, byte_order, encoding, data_file, line_skip, byte_skip, lines })
+        Ok(Self { sizes, element, byte_order, encoding, method, data_file, line_skip, byte_skip, lines })
     }
 }
 
@@ -215,18 +218,21 @@ impl Fields {
         }
     }
 
-    fn encoding(&mut self) -> Result<Encoding, NrrdError> {
+    fn encoding(&mut self) -> Result<(Encoding, Option<Method>), NrrdError> {
         let value = self.required("encoding")?;
         match value.to_ascii_lowercase().as_str() {
-            "raw" => Ok(Encoding::Raw),
-            "gz" | "gzip" => Ok(Encoding::Gzip),
+            "raw" => Ok((Encoding::Raw, None)),
+            "gz" | "gzip" => Ok((Encoding::Gzip, None)),
+            "bz2" | "bzip2" => Ok((Encoding::Raw, Some(Method::Bzip2))),
+            "hex" => Ok((Encoding::Raw, Some(Method::Hex))),
+            "txt" | "text" | "ascii" => Ok((Encoding::Raw, Some(Method::Text))),
             _ => Err(NrrdError::Encoding { found: excerpt(&value) }),
         }
     }
 
-    fn byte_order(&mut self, element: ElementType) -> Result<ByteOrder, NrrdError> {
+    fn byte_order(&mut self, element: ElementType, method: Option<Method>) -> Result<ByteOrder, NrrdError> {
         match self.take("endian")? {
-            _ if element.bytes() == 1 => Ok(ByteOrder::Little),
+            _ if element.bytes() == 1 || method == Some(Method::Text) => Ok(ByteOrder::Little),
             None => Err(NrrdError::Missing { field: "endian" }),
             Some(value) => {
                 value.to_ascii_lowercase().parse().map_err(|_| bad("endian", &value, "`little` or `big`"))

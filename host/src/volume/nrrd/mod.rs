@@ -1,17 +1,20 @@
 //! NRRD files ("nearly raw raster data"): a header of text lines, then samples or the name of their file.
 //!
 //! Source: *Definition of the NRRD file format*, the Teem project. Axes are listed fastest first there too, so the
-//! first of `sizes` is x. Read and written are the encodings `raw` and `gzip`, attached and detached.
+//! first of `sizes` is x. Written are the encodings `raw` and `gzip`, attached and detached; `ascii`, `hex` and `bzip2` are
+//! read, too.
 
 mod axes;
+mod decoded;
 mod error;
 mod header;
 
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use axes::{axes_of, kinds_of};
+use decoded::Method;
 pub use error::NrrdError;
 use header::{ByteSkip, DataFile, is_structure, line_text, type_name};
 
@@ -54,6 +57,12 @@ impl Format for Nrrd {
         open(input)
     }
 
+    fn writes(&self, path: &Path) -> Vec<PathBuf> {
+        let data: &[&str] = if has_extension(path, &["nhdr"]) { &["raw", "raw.gz"] } else { &[] };
+        let data = data.iter().map(|extension| path.with_extension(extension));
+        std::iter::once(path.to_owned()).chain(data).collect()
+    }
+
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
         create(path, header, options)
     }
@@ -72,14 +81,16 @@ fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
             ByteSkip::ToEnd => None,
         },
     };
-    let data_file = parsed.data_file.clone();
+    let (data_file, method) = (parsed.data_file.clone(), parsed.method);
     let header = meaning(parsed).map_err(|cause| fault(NrrdError::Extent(cause)))?;
     let axes = header.metadata.axes.clone();
     let files = match data_file {
-        None => return ordered(alone(input, header, layout)?, &path, &axes),
+        None => return ordered(alone(input, header, layout, method)?, &path, &axes),
         Some(DataFile::Name(name)) => {
-            return ordered(alone(Input::open(&beside(&path, &name))?, header, layout)?, &path, &axes);
+            let data = Input::open(&beside(&path, &name))?;
+            return ordered(alone(data, header, layout, method)?, &path, &axes);
         }
+        Some(_) if method.is_some() => return Err(fault(NrrdError::SeveralFiles)),
         Some(DataFile::List) => listed(&mut input)?,
         Some(DataFile::Pattern { pattern, first, last, step }) => {
             let files = numbered(&path, &pattern, first, last, step);
@@ -96,11 +107,23 @@ fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
 }
 
 /// Samples in one file.
-fn alone(input: Input, header: Header, layout: PartLayout) -> Result<Stored, ReadError> {
-    if layout.byte_skip.is_none() && (layout.encoding != Encoding::Raw || input.left().is_none()) {
+fn alone(
+    mut input: Input,
+    header: Header,
+    layout: PartLayout,
+    method: Option<Method>,
+) -> Result<Stored, ReadError> {
+    let is_packed = layout.encoding != Encoding::Raw || method.is_some();
+    if layout.byte_skip.is_none() && (is_packed || input.left().is_none()) {
         return Err(ReadError::Nrrd { path: input.path().to_owned(), cause: NrrdError::SkipToEnd });
     }
-    layout.open(input, header)
+    match method {
+        Some(method) => {
+            input.skip_lines(layout.line_skip)?;
+            method.open(input, header, (layout.byte_order, layout.byte_skip.unwrap_or(0)))
+        }
+        None => layout.open(input, header),
+    }
 }
 
 /// The data set that a header speaks of.

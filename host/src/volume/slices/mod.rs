@@ -207,6 +207,10 @@ impl Source for Stack {
     fn is_random(&self) -> bool {
         true
     }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.files.clone()
+    }
 }
 
 /// Begins a stack of files of one slice each, which appear together; in a new folder if that is not there yet.

@@ -8,6 +8,7 @@ use weezl::decode::Decoder as LzwDecoder;
 
 use super::TiffError;
 use crate::volume::element::reorder;
+use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
 
@@ -18,6 +19,7 @@ pub(super) enum Compression {
     Lzw,
     Deflate,
     PackBits,
+    Jpeg,
 }
 
 impl Compression {
@@ -26,10 +28,11 @@ impl Compression {
         let name = match code {
             1 => return Ok(Self::None),
             5 => return Ok(Self::Lzw),
+            7 => return Ok(Self::Jpeg),
             8 | 32_946 => return Ok(Self::Deflate),
             32_773 => return Ok(Self::PackBits),
             2..=4 => "fax",
-            6 | 7 => "JPEG",
+            6 => "JPEG of the old kind",
             33_003 | 33_005 | 34_712 => "JPEG 2000",
             34_925 => "LZMA",
             50_000 => "Zstandard",
@@ -40,13 +43,15 @@ impl Compression {
         Err(TiffError::Compression { code, name })
     }
 
-    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW.
+    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW; of JPEG,
+    /// more than are met.
     pub(super) const fn expansion(self) -> u64 {
         match self {
             Self::None => 1,
             Self::Lzw => 4096,
             Self::Deflate => 4 * 258,
             Self::PackBits => 64,
+            Self::Jpeg => 1024,
         }
     }
 }
@@ -67,6 +72,22 @@ pub(super) struct Chunk {
 }
 
 impl Chunk {
+    /// The values of a chunk of JPEG, whose tables may lie elsewhere; as [`Chunk::decode`]. Colours come out as red,
+    /// green and blue.
+    pub(super) fn decode_jpeg(self, tables: &[u8], stored: &[u8], is_rgb: bool) -> Option<Vec<u8>> {
+        let expected = jpeg::Expected {
+            width: self.width as u64,
+            height: self.rows as u64,
+            components: self.samples as u32,
+            bytes: self.element.bytes(),
+            is_rgb: Some(is_rgb),
+        };
+        // Both are whole streams; together they are one, without the end of the first and the start of the second.
+        let tables = tables.strip_suffix(&[0xFF, 0xD9]).unwrap_or(tables);
+        let rest = if tables.is_empty() { stored } else { stored.strip_prefix(&[0xFF, 0xD8])? };
+        jpeg::decode(&[tables, rest].concat(), expected).ok()
+    }
+
     /// The values of a chunk, little-endian; `None` if it does not have as many.
     pub(super) fn decode(self, compression: Compression, stored: &[u8]) -> Option<Vec<u8>> {
         let row_bytes = self.width.checked_mul(self.samples)?.checked_mul(self.bits)?.div_ceil(8);
@@ -136,6 +157,8 @@ fn decompress(compression: Compression, stored: &[u8], bytes: usize) -> Option<V
     match compression {
         Compression::None => stored.get(..bytes).map(<[u8]>::to_vec),
         Compression::PackBits => unpack_bits(stored, bytes),
+        // Not here.
+        Compression::Jpeg => None,
         Compression::Deflate => {
             let mut data = vec![0; bytes];
             ZlibDecoder::new(stored).read_exact(&mut data).ok()?;

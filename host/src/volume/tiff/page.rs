@@ -17,6 +17,12 @@ use crate::volume::{ByteOrder, ElementType};
 /// Bytes of one value of a directory that are read at most; no more than the file has either way.
 const VALUE_BYTES: u64 = 1 << 26;
 
+/// PhotometricInterpretation of red, green and blue.
+const RGB: u16 = 2;
+
+/// PhotometricInterpretation of brightness and two differences.
+const YCBCR: u16 = 6;
+
 /// A page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Page {
@@ -29,9 +35,13 @@ pub(super) struct Page {
     /// Type of a value in memory: the smallest unsigned one for bits that make no bytes.
     pub(super) element: ElementType,
     pub(super) photometric: u16,
+    /// Whether colours are stored as red, green and blue.
+    is_rgb: bool,
     /// Whether each value of a sample has chunks of its own.
     is_planar: bool,
     pub(super) compression: Compression,
+    /// Tables of JPEG that all chunks share.
+    tables: Vec<u8>,
     predictor: u16,
     /// Samples along x and y of a strip or tile, and whether the last ones are as large as the others.
     chunk: [u32; 2],
@@ -170,15 +180,21 @@ impl Pages {
             true => [Tag::TileOffsets, Tag::TileByteCounts],
             false => [Tag::StripOffsets, Tag::StripByteCounts],
         };
+        let photometric = tags.number(Tag::PhotometricInterpretation, 1)? as u16;
+        let is_jpeg = compression == Compression::Jpeg;
+        let tables = if is_jpeg { tags.numbers(Tag::JPEGTables)? } else { Vec::new() };
         let page = Page {
             width,
             height,
             samples,
             bits: bits as u16,
             element,
-            photometric: tags.number(Tag::PhotometricInterpretation, 1)? as u16,
+            // Colours of JPEG come out as red, green and blue.
+            photometric: if is_jpeg && photometric == YCBCR { RGB } else { photometric },
+            is_rgb: photometric == RGB,
             is_planar: tags.number(Tag::PlanarConfiguration, 1)? == 2 && samples > 1,
             compression,
+            tables: tables.into_iter().map(|byte| byte as u8).collect(),
             predictor: tags.number(Tag::Predictor, 1)? as u16,
             chunk,
             is_tiled,
@@ -277,7 +293,10 @@ impl Pages {
             predictor: page.predictor,
             byte_order: self.byte_order(),
         };
-        let values = chunk.decode(page.compression, &stored)?;
+        let values = match page.compression {
+            Compression::Jpeg => chunk.decode_jpeg(&page.tables, &stored, page.is_rgb)?,
+            compression => chunk.decode(compression, &stored)?,
+        };
         let bytes = page.element.bytes();
         let (sample, together) = (usize::from(page.samples) * bytes, chunk.samples * bytes);
         let (x, y) = (place[0] as usize, place[1] as usize);

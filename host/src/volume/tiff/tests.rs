@@ -1,4 +1,5 @@
 use super::*;
+use crate::volume::jpeg::tests::LOSSLESS;
 use crate::volume::{ElementType, Fault, HeaderLine, create as create_volume, open as open_volume};
 
 fn read(bytes: &[u8]) -> Result<(Header, Vec<u8>), ReadError> {
@@ -88,6 +89,44 @@ fn hostile_files_return() {
                 changed[index] ^= change;
                 let _either = read(&changed);
             }
+        }
+    }
+}
+
+/// A page of 3 by 2 samples of 16 bits in one strip of JPEG, with tables of their own or not.
+fn jpeg(has_tables: bool) -> Vec<u8> {
+    let entry = |tag: u16, kind: u16, count: usize, value: usize| {
+        let [count, value] = [count, value].map(|number| (number as u32).to_le_bytes());
+        [&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count, &value].concat()
+    };
+    // The table of the codes stands behind the mark of the start.
+    let (start, table, rest) = (&LOSSLESS[..2], &LOSSLESS[2..27], &LOSSLESS[27..]);
+    let strip = if has_tables { [start, rest].concat() } else { LOSSLESS.to_vec() };
+    let tables = [start, table, &[0xFF, 0xD9]].concat();
+    let numbers = [(256, 3), (257, 2), (258, 16), (259, 7), (262, 1), (273, 8), (277, 1), (278, 2)];
+    let mut entries: Vec<_> = numbers.map(|(tag, number)| entry(tag, 3, 1, number)).into();
+    entries.push(entry(279, 4, 1, strip.len()));
+    if has_tables {
+        entries.push(entry(347, 7, tables.len(), 8 + strip.len()));
+    }
+    let directory = [&(entries.len() as u16).to_le_bytes()[..], &entries.concat(), &[0; 4]].concat();
+    let place = (8 + strip.len() + tables.len()) as u32;
+    [&b"II*\0"[..], &place.to_le_bytes(), &strip, &tables, &directory].concat()
+}
+
+#[test]
+fn jpeg_is_read() {
+    let expected = [1_u16, 2048, 4095, 100, 3000, 7].map(u16::to_le_bytes).concat();
+    for file in [jpeg(false), jpeg(true)] {
+        let (header, values) = read(&file).unwrap();
+        assert_eq!((header.extent, header.element, &values), ([3, 2, 1], ElementType::U16, &expected));
+        for at in 0..file.len() {
+            for by in [1, 0x10, 0x80, 0xFF] {
+                let mut changed = file.clone();
+                changed[at] ^= by;
+                let _either = read(&changed);
+            }
+            let _either = read(&file[..at]);
         }
     }
 }

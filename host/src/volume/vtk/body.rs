@@ -67,6 +67,10 @@ impl Source for VtkSource {
     fn is_random(&self) -> bool {
         self.body.is_random()
     }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.path.clone()]
+    }
 }
 
 /// Samples as they are behind a head, in base64.

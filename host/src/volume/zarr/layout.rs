@@ -12,6 +12,9 @@ use crate::volume::{ByteOrder, ElementType};
 /// Most bytes of a chunk, or of a row of samples. Both must be in memory as a whole.
 pub(super) const LARGEST_BYTES: u64 = 1 << 30;
 
+/// Bytes of a chunk that may stand beside few samples; more are taken only of an array that has as many.
+const SPARE_BYTES: u64 = 1 << 26;
+
 /// Most bytes of the index of a shard.
 const INDEX_BYTES: u64 = 1 << 26;
 
@@ -61,7 +64,7 @@ impl Layout {
         within(
             "a chunk",
             product(&inner).map(|count| count.saturating_mul(element.bytes() as u64)),
-            LARGEST_BYTES,
+            LARGEST_BYTES.min(total.unwrap_or(0).saturating_mul(2).max(SPARE_BYTES)),
         )?;
         let pieces: Vec<u64> =
             outer.iter().zip(&inner).map(|(outer, inner)| outer.div_ceil(*inner)).collect();
@@ -82,6 +85,11 @@ impl Layout {
     /// Samples along the axis of that role, 1 where there is none.
     pub(super) fn count(&self, role: Role) -> u64 {
         self.axis(role).map_or(1, |axis| self.shape[axis])
+    }
+
+    /// Bytes of a chunk that is decoded as a whole.
+    pub(super) fn chunk_bytes(&self) -> u64 {
+        product(&self.chunk).unwrap_or(u64::MAX).saturating_mul(self.element.bytes() as u64)
     }
 
     /// The axis of that role.

@@ -7,6 +7,7 @@
 //! Written is version 3: an image of OME-Zarr 0.5 with one level where the name ends in `.ome.zarr`, else an array
 //! with named axes. Either keeps every line of metadata, in the attribute `nrrd`.
 
+mod bounded;
 mod boxes;
 mod error;
 mod layout;

@@ -4,9 +4,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use zarrs::array::{Array, ArrayBytes, ArraySubset};
+use zarrs::array::{Array, ArrayBytes, ArraySubset, CodecOptions};
 use zarrs::filesystem::FilesystemStore;
 
+use super::bounded::bound_codecs;
 use super::boxes::{canonical, copy};
 use super::layout::{LARGEST_BYTES, Layout, Role};
 use super::node::{self, Place, multiscales};
@@ -17,8 +18,11 @@ use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, 
 /// Bytes of samples that are decoded at a time, if chunks are no larger.
 const PIECE_BYTES: u64 = 1 << 24;
 
-/// Bytes of samples that are decoded at a time at most, unless a single row has more.
+/// Bytes of samples that are decoded at a time at most, unless a single row has more, or less is asked for.
 const MOST_PIECE_BYTES: u64 = 1 << 27;
+
+/// Chunks that are decoded at once at most.
+const MOST_THREADS: u64 = 256;
 
 /// An array of a Zarr folder.
 pub(super) struct ZarrSource {
@@ -26,10 +30,14 @@ pub(super) struct ZarrSource {
     layout: Layout,
     header: Header,
     path: PathBuf,
+    /// The array's own, in `path` where that is an image.
+    folder: PathBuf,
     /// Values in memory, and the place of the first among all.
     piece: Vec<u8>,
     start: u64,
     at: u64,
+    /// Bytes that may be held at a time: those of a piece, and of chunks while they are decoded.
+    most: u64,
 }
 
 /// Planes and rows of one time step.
@@ -58,6 +66,7 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
             limit: LARGEST_BYTES,
         }));
     }
+    bound_codecs();
     let array = guarded(|| {
         let store = FilesystemStore::new(&folder).map_err(|cause| cause.to_string())?;
         Array::open(Arc::new(store), "/").map_err(|cause| cause.to_string())
@@ -71,9 +80,11 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
         layout,
         header,
         path: path.to_owned(),
+        folder,
         piece: Vec::new(),
         start: 0,
         at: 0,
+        most: 3 * MOST_PIECE_BYTES,
     }))
 }
 
@@ -117,15 +128,17 @@ impl ZarrSource {
         let [_, height, depth] = self.header.extent;
         let (at, within) = (position / step, position % step);
         let (z, y) = (within / plane, within % plane / row);
-        if plane > MOST_PIECE_BYTES {
-            let rows = (MOST_PIECE_BYTES / row).max(1);
+        // A piece is there twice while its axes change places.
+        let most = (self.most / 3).min(MOST_PIECE_BYTES);
+        if plane > most {
+            let rows = (most / row).max(1);
             let first = y / rows * rows;
             return Slab { step: at, z: [z, z + 1], y: [first, (first + rows).min(height)] };
         }
         let chunk = self.layout.axis(Role::Z).map_or(1, |axis| self.layout.chunk[axis]).min(depth);
         let (base, planes) = match chunk * plane {
-            bytes if bytes > MOST_PIECE_BYTES => (z / chunk * chunk, MOST_PIECE_BYTES / plane),
-            bytes => (0, chunk * (PIECE_BYTES / bytes).max(1)),
+            bytes if bytes > most => (z / chunk * chunk, most / plane),
+            bytes => (0, chunk * (PIECE_BYTES.min(most) / bytes).max(1)),
         };
         let first = base + (z - base) / planes * planes;
         let end = if base > 0 || planes < chunk { base + chunk } else { depth };
@@ -146,9 +159,12 @@ impl ZarrSource {
         };
         let ranges: Vec<_> = self.layout.roles.iter().map(|role| range(*role)).collect();
         let subset = ArraySubset::new_with_ranges(&ranges);
+        let threads = (self.most / 3 / self.layout.chunk_bytes().max(1)).clamp(1, MOST_THREADS) as usize;
+        let options = CodecOptions::default();
+        let options = options.with_concurrent_target(options.concurrent_target().min(threads));
         let found = guarded(|| {
             let found: ArrayBytes<'static> =
-                self.array.retrieve_array_subset(&subset).map_err(|cause| cause.to_string())?;
+                self.array.retrieve_array_subset_opt(&subset, &options).map_err(|cause| cause.to_string())?;
             Ok(found.into_fixed().map_err(|cause| cause.to_string())?.into_owned())
         });
         let mut found = found.map_err(|cause| self.fault(cause))?;
@@ -222,5 +238,14 @@ impl Source for ZarrSource {
 
     fn is_random(&self) -> bool {
         true
+    }
+
+    fn hold_at_most(&mut self, bytes: u64) -> u64 {
+        self.most = bytes.min(3 * MOST_PIECE_BYTES);
+        self.most
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.path.clone(), self.folder.clone()]
     }
 }

@@ -1,4 +1,5 @@
 use std::fs;
+use std::io::Read;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
@@ -368,5 +369,43 @@ fn hostile_folders_return() {
             fs::write(&file, &bytes).unwrap();
         }
         assert!(values_of(path).is_ok());
+    }
+}
+
+#[test]
+fn chunks_stay_within_their_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.zarr");
+    let (header, values) = noise([5, 4, 3], 1, 1, ElementType::I16);
+    write(&path, &header, &values, &WriteOptions { byte_order: None, gzip: true });
+    let chunk = path.join("c/0/0/0");
+    let mut bomb = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::copy(&mut std::io::repeat(0).take(1 << 26), &mut bomb).unwrap();
+    let bomb = bomb.finish().unwrap();
+    assert!(bomb.len() < 1 << 17);
+    fs::write(&chunk, &bomb).unwrap();
+    let told = message(&path);
+    assert!(told.contains("a chunk has more bytes than its shape says"), "{told}");
+    // A chunk of gigabytes beside a hundred samples.
+    let file = path.join("zarr.json");
+    let mut json: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    json["chunk_grid"]["configuration"]["chunk_shape"] = json!([1024, 512, 512]);
+    fs::write(&file, json.to_string()).unwrap();
+    let told = message(&path);
+    assert!(told.contains("a chunk has 536870912 bytes"), "{told}");
+}
+
+#[test]
+fn pieces_are_as_small_as_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.zarr");
+    let (header, values) = noise([50, 40, 30], 1, 1, ElementType::I16);
+    write(&path, &header, &values, &WriteOptions::default());
+    for most in [1, 1000, 30_000, 300_000] {
+        let mut source = crate::volume::open(&path, None).unwrap();
+        assert_eq!(source.hold_at_most(most), most);
+        let mut found = vec![0; values.len()];
+        source.read(&mut found).unwrap();
+        assert!(found == values, "{most}");
     }
 }
