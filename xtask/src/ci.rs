@@ -105,6 +105,13 @@ fn report(outcomes: &[Outcome], time: Duration) -> String {
 mod tests {
     use super::*;
 
+    /// This program, under test, lists its tests, and takes no option of that name.
+    #[test]
+    fn a_step_apart_fails_as_its_program_does() {
+        assert_eq!(apart("--list"), [""; 0]);
+        assert_eq!(apart("--no-such-option").len(), 1);
+    }
+
     #[test]
     fn the_report_lists_failures_and_ends_with_the_counts() {
         let outcome = |step, failures| Outcome { step, time: Duration::from_millis(1500), failures };
