@@ -13,7 +13,8 @@ pub enum Feature {
     Wavelet(Wavelet),
     /// Predictors with weights, to train and to decode: feature `trained`.
     Trained,
-    /// Tables of frequencies, to encode and to decode, [`Effort::Tabled`](crate::Effort::Tabled): feature `tabled`.
+    /// Tables of frequencies, to encode and to decode, [`Effort::Tabled`](crate::Effort::Tabled) and, with
+    /// [`Feature::Trained`], [`Effort::Wide`](crate::Effort::Wide): feature `tabled`.
     Tabled,
     /// [`Dense`](crate::Dense) coding: feature `dense`.
     Dense,

@@ -14,8 +14,8 @@ use wavelift_kernel::{
 /// Samples for which memory is lent when damage asks for it.
 const MOST_SAMPLES: usize = 1 << 14;
 
-/// Where the storage is, and what it is of a tabled codestream.
-const TABLED: (usize, u8) = (3, 3);
+/// Where the storage field is, and what it says of tabled samples, narrow and wide.
+const TABLED: (usize, [u8; 2]) = (3, [3, 4]);
 
 /// One codestream each of the forms there are: coded, with trained weights and without, tabled, and stored, with levels and
 /// without, of 1 to 3 axes.
@@ -40,6 +40,8 @@ fn streams() -> Vec<(Vec<u8>, Header)> {
         (Effort::Default, Wavelet::Haar, [28, 28, 18], 1, SampleType::I32, &gentle),
         (Effort::Tabled, Wavelet::Haar, [128, 128, 1], 0, SampleType::I8, &gentle),
         (Effort::Tabled, Wavelet::Haar, [32, 32, 16], 0, SampleType::U16, &steps),
+        (Effort::Wide, Wavelet::Haar, [128, 128, 1], 0, SampleType::I8, &gentle),
+        (Effort::Wide, Wavelet::Haar, [32, 32, 16], 0, SampleType::U16, &steps),
     ];
     let encoded = cases.map(|(effort, wavelet, axes, levels, sample_type, input)| {
         let extent = Extent::new(axes).expect("a small extent");
@@ -111,14 +113,16 @@ fn some_have_weights_and_some_have_none() {
     });
     assert!((1..streams().len()).contains(&trained.count()));
     let (storage, tabled) = TABLED;
-    assert_eq!(streams().iter().filter(|(bytes, _)| bytes[storage] == tabled).count(), 2);
+    for tabled in tabled {
+        assert_eq!(streams().iter().filter(|(bytes, _)| bytes[storage] == tabled).count(), 2);
+    }
 }
 
 #[test]
 fn damage_anywhere_is_survived() {
     let (cases, noticed) = inflict(1, 600);
     println!("{cases} damaged codestreams, {noticed} noticed");
-    assert_eq!(cases, 75_600);
+    assert_eq!(cases, 86_400);
     assert!(
         noticed > cases / 4,
         "only {noticed} of {cases} noticed: the damage does not reach the decoder's checks"
@@ -154,7 +158,7 @@ fn random_bytes_are_survived() {
         let mut bytes = vec![0; (noise.bits() % 64) as usize];
         bytes.fill_with(|| noise.bits() as u8);
         // The right magic, version and storage, more often than chance would have it.
-        let known = [0x77, 0x4C, 2, if round % 2 == 0 { 0 } else { TABLED.1 }];
+        let known = [0x77, 0x4C, 2, [0, 3, 4][round % 3]];
         bytes.iter_mut().zip(known).take(round % 5).for_each(|(byte, known)| *byte = known);
         survives(&mut codec, &bytes, &streams[round % streams.len()].1);
     }

@@ -151,7 +151,8 @@ proptest! {
     ) {
         let plan = Plan::new(Wavelet::Haar, extent, 0).expect("a plan");
         let samples = input(kind, sample_type, amount, seed).generate(extent).expect("a generator");
-        check(Effort::Tabled, &plan, sample_type, &samples);
+        let effort = if seed.is_multiple_of(2) { Effort::Tabled } else { Effort::Wide };
+        check(effort, &plan, sample_type, &samples);
     }
 }
 

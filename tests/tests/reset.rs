@@ -26,7 +26,7 @@ fn sample(effort: Effort, wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &
     Sample { effort, plan, samples, bytes, header }
 }
 
-fn samples() -> [Sample; 7] {
+fn samples() -> [Sample; 8] {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 9000, offset: -1000 };
     let faint = Input::Waves { periods: [40, 1, 1], amplitude: 20, offset: 0 };
     [
@@ -62,6 +62,13 @@ fn samples() -> [Sample; 7] {
         ),
         sample(
             Effort::Tabled,
+            Wavelet::Haar,
+            [26, 25, 27],
+            0,
+            &Input::Steps { width: 40, height: 700, offset: 0 },
+        ),
+        sample(
+            Effort::Wide,
             Wavelet::Haar,
             [26, 25, 27],
             0,

@@ -84,8 +84,8 @@ impl Training {
         let every = width.wrapping_mul(height).wrapping_mul(planes.len()).div_ceil(trained_on(taps)) | 1;
         // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
         // is no other.
-        let rows = planes.flat_map(|z| (usize::from(height > 1)..height).map(move |y| [y, z])).step_by(every);
-        let shift = usual_bits(taps, coefficients, rows.clone()).saturating_sub(USUAL_BITS);
+        let rows = planes.flat_map(|z| (usize::from(height > 1)..height).map(move |y| [y, z]));
+        let shift = usual_bits(taps, coefficients, rows.clone().step_by(every)).saturating_sub(USUAL_BITS);
         let mut weights = Weights::ZERO;
         for round in 0..ROUNDS {
             self.matrix.fill(0);
@@ -93,7 +93,8 @@ impl Training {
             let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
             let known = (round > 0).then_some(&*used);
             let is_last = round == ROUNDS - 1;
-            for place in rows.clone().step_by(if is_last { 1 } else { sparse.max(1) }) {
+            let step = if is_last { every } else { every.wrapping_mul(sparse).max(1) };
+            for place in rows.clone().step_by(step) {
                 self.add_row(taps, coefficients, place, (shift, known), scratch);
             }
             self.solve(used);

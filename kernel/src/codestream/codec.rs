@@ -64,7 +64,7 @@ impl Effort<'_> {
     const fn tabled(&mut self) -> Option<tabled::Means<'_>> {
         match self {
             Self::Tabled => Some(tabled::Means::Narrow),
-            Self::Wide(training) => Some(tabled::Means::Wide(training)),
+            Self::Wide(training) if Feature::Trained.is_built() => Some(tabled::Means::Wide(training)),
             _ => None,
         }
     }

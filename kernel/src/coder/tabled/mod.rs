@@ -30,9 +30,9 @@ pub(super) use self::tables::Tables;
 pub(super) use self::train::Lessons;
 use self::wide::Wide;
 use super::{Memory, Training, range};
-use crate::Extent;
 use crate::extent::to_usize;
 use crate::memory::copy;
+use crate::{Extent, Feature};
 
 /// Bits that samples may span.
 const MOST_SPAN_BITS: u32 = 19;
@@ -86,6 +86,8 @@ impl Means<'_> {
 ///
 /// `None` if it does not fit, with `samples` as they were; otherwise they are used up. `scratch` is that of a
 /// plan without levels.
+// Apart from its caller, which is small enough then to be built for the efforts alone that a program asks for.
+#[cfg_attr(not(feature = "small"), inline(never))]
 pub(crate) fn encode(
     memory: &mut Memory,
     means: Means<'_>,
@@ -102,10 +104,10 @@ pub(crate) fn encode(
     let _ = out.get(EXTRA_LEN)?;
     let mut brick = Brick { sides: extent.sides(), values: samples, scratch };
     let predictor = match means {
-        Means::Narrow => Predictor::Narrow(Narrow::train(memory.lessons()?, brick.sides, span, brick.values)),
-        Means::Wide(training) => {
+        Means::Wide(training) if Feature::Trained.is_built() => {
             Predictor::Wide(Wide::train(training, extent, span, brick.values, brick.scratch)?)
         }
+        _ => Predictor::Narrow(Narrow::train(memory.lessons()?, brick.sides, span, brick.values)),
     };
     brick.make_residuals(&predictor);
     let len = brick.write(memory.tables()?, &predictor, out);
@@ -117,6 +119,7 @@ pub(crate) fn encode(
 }
 
 /// Decodes a segment that holds all of `samples`. `None` if the segment is what no encoder writes.
+#[cfg_attr(not(feature = "small"), inline(never))]
 pub(crate) fn decode(
     memory: &mut Memory,
     (extent, is_wide): (Extent, bool),
@@ -140,7 +143,7 @@ pub(crate) fn decode(
     let (extra, rest) = bytes.get(EXTRA_LEN.end..)?.split_at_checked(extra_len)?;
     let span = Span { lowest, span };
     let mut head = BitReader::new(rest);
-    let predictor = if is_wide {
+    let predictor = if is_wide && Feature::Trained.is_built() {
         Predictor::Wide(Wide::read(extent, span, &mut head)?)
     } else {
         Predictor::Narrow(Narrow::read(extent.sides(), span, &mut head)?)
@@ -152,7 +155,7 @@ pub(crate) fn decode(
     brick.make_samples(&predictor)
 }
 
-/// What the rows of a brick are predicted by.
+/// What the rows of a brick are predicted by; the wide one only in builds that train.
 enum Predictor {
     Narrow(Narrow),
     Wide(Wide),
@@ -181,6 +184,7 @@ impl Brick<'_> {
             Predictor::Narrow(narrow) => {
                 rows.try_for_each(|row| narrow.forward(values, *sides, row, scratch))
             }
+            Predictor::Wide(_) if !Feature::Trained.is_built() => None,
             Predictor::Wide(wide) => rows.try_for_each(|row| wide.forward(values, row, scratch)),
         }
     }
@@ -193,6 +197,7 @@ impl Brick<'_> {
             Predictor::Narrow(narrow) => {
                 rows.try_for_each(|row| narrow.inverse(values, *sides, row, scratch))
             }
+            Predictor::Wide(_) if !Feature::Trained.is_built() => None,
             Predictor::Wide(wide) => rows.try_for_each(|row| wide.inverse(values, row, scratch)),
         }
     }
@@ -223,6 +228,7 @@ impl Brick<'_> {
         let mut head = BitWriter::new(rest.get_mut(extra_len..)?);
         match predictor {
             Predictor::Narrow(narrow) => narrow.write(self.sides, &mut head)?,
+            Predictor::Wide(_) if !Feature::Trained.is_built() => return None,
             Predictor::Wide(wide) => wide.write(&mut head)?,
         }
         tables.normalise();

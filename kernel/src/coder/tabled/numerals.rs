@@ -117,6 +117,15 @@ impl<'a> NumeralReader<'a> {
 
     /// Reads the tokens of a row; beyond the end there are zeros.
     pub(super) fn read_row(&mut self, tables: &Tables, classes: &[i32], tokens: &mut [i32]) {
+        if cfg!(feature = "small") {
+            for (x, (&class, token)) in classes.iter().zip(tokens).enumerate() {
+                let Some(state) = self.states.get_mut(x & (STATES - 1)) else { return };
+                let mut ahead = Ahead::at(self.words, self.read);
+                *token = read_token(&mut ahead, tables, class, state);
+                self.read = ahead.read;
+            }
+            return;
+        }
         let Self { words, mut states, mut read } = *self;
         let (whole_classes, last_classes) = classes.as_chunks::<STATES>();
         let (whole_tokens, last_tokens) = tokens.as_chunks_mut::<STATES>();
@@ -140,7 +149,7 @@ impl<'a> NumeralReader<'a> {
     }
 }
 
-/// As many words as the states may take in turn; beyond the end there are zeros.
+/// As many words as the states may take in turn, or in small builds one; beyond the end there are zeros.
 struct Ahead {
     words: u64,
     read: usize,
@@ -150,6 +159,10 @@ impl Ahead {
     #[inline(always)]
     fn at(words: &[u8], read: usize) -> Self {
         let rest = words.get(read..).unwrap_or(&[]);
+        if cfg!(feature = "small") {
+            let word = rest.first_chunk().copied().unwrap_or_default();
+            return Self { words: u16::from_le_bytes(word).into(), read };
+        }
         let next = rest.first_chunk().copied().unwrap_or_else(|| {
             let mut next = [0; WORD * STATES];
             copy(rest, &mut next);

@@ -142,8 +142,8 @@ impl Tables {
         let first = finder.copied().map_or(0, usize::from) & (TOKEN_SLOTS - 1);
         let starts = self.starts.get(class);
         let is_beyond = |token: usize| point >= start_of(starts, token.wrapping_add(1));
-        // Mostly the first or the next: which of them costs no jump.
-        let mut token = first.wrapping_add(usize::from(is_beyond(first)));
+        // Mostly the first or the next: which of them costs no jump, but code.
+        let mut token = first.wrapping_add(usize::from(!cfg!(feature = "small") && is_beyond(first)));
         if is_beyond(token) {
             token = (token..TOKENS).find(|&token| !is_beyond(token)).unwrap_or(TOKENS);
         }

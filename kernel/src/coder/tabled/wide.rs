@@ -139,6 +139,7 @@ impl Wide {
     }
 
     /// Sums over known rows, what completes them, and memory of a row with [`REACH`] more at either end.
+    #[inline(never)]
     fn sum_known<'a>(
         &self,
         before: &[i32],
