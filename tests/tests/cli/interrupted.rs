@@ -138,13 +138,13 @@ fn a_signal_ends_a_program_that_computes_or_waits_for_a_reader() {
     assert!(compress.status().unwrap().success());
     folder.write("out.raw", "old");
     folder.run("decompress a.wlift whole.raw").silent();
-    let before = folder.everything();
     for line in [
         "compress whole.raw a.wlift --extent 96x96x96 --type u16",
         "decompress a.wlift out.raw",
         "preview a.wlift a.png --mip x --level 0",
         "surface build whole.raw a.wsurf --iso 30000 --extent 96x96x96 --type u16",
     ] {
+        let before = folder.everything();
         let mut child = folder.command().args(line.split(' ')).spawn().unwrap();
         sleep(Duration::from_millis(30));
         send(&child, "INT");
