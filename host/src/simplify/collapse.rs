@@ -5,7 +5,7 @@
 //! Edges wait in the bucket queue with the error that they had when they were last looked at. An edge that comes out is
 //! looked at again: it goes back in if its error has grown, and out if it may not be collapsed; the edges around a collapse
 //! that are not in the queue are looked at then. Edges of too large an error wait too, so that they are not looked at after
-//! each collapse nearby: two thirds of all errors that were computed without were theirs.
+//! each collapse nearby.
 //!
 //! One queue over a large mesh jumps about in memory. While the mesh is much larger than the target, it is therefore taken
 //! in *windows*, runs of triangles as they come, and in each of them the edges of small error are collapsed in order.
