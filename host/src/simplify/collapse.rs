@@ -14,6 +14,7 @@ use std::ops::Range;
 use super::corners::{NONE, next, previous};
 use super::deviation::{Candidate, candidate};
 use super::legality::{Place, place};
+use super::parts::Parts;
 use super::priority::{BucketQueue, rank};
 use super::star::Star;
 use super::surface::{Surface, Vertex};
@@ -46,7 +47,7 @@ pub struct Collapsed {
 
 /// Collapses edges of a manifold, the least harmful first, until `target` is met or no edge may be collapsed.
 ///
-/// Topology, features and boundary stay as the rules of [`super`] say. The result depends on nothing but the arguments.
+/// Topology, features and boundary stay as the rules of [`super`] say, and a component keeps some vertices. The result depends on nothing but the arguments.
 ///
 /// # Errors
 /// [`SimplifyError`], where the mesh is no oriented manifold, or features are not of it.
@@ -57,13 +58,18 @@ pub fn collapse_edges(
     constraints: &Constraints,
     target: Target,
 ) -> Result<Collapsed, SimplifyError> {
-    let surface = Surface::new(mesh, constraints)?;
+    let mut surface = Surface::new(mesh, constraints)?;
     let per_unit = 1.0 / surface.mean_edge().max(f64::MIN_POSITIVE);
+    for (vertex, &error) in surface.vertices.iter_mut().zip(&constraints.errors) {
+        vertex.accumulated = (f64::from(error) * per_unit) as f32;
+    }
     let limit = target.error * per_unit;
-    let mut collapse = Collapse::new(surface, per_unit, limit);
+    let parts = Parts::new(&surface.vertices, &surface.corners);
+    let mut collapse = Collapse::new(surface, parts, per_unit, limit);
     while collapse.vertices / (SHARE * MARGIN) >= target.vertices.max(LARGE) && collapse.windows(limit) {
-        let Collapse { surface, error, .. } = collapse;
-        collapse = Collapse { error, ..Collapse::new(surface.compact(), per_unit, limit) };
+        let Collapse { surface, mut parts, error, .. } = collapse;
+        parts.compact(&surface.vertices);
+        collapse = Collapse { error, ..Collapse::new(surface.compact(), parts, per_unit, limit) };
     }
     collapse.window = 0..collapse.surface.corners.len();
     collapse.run(target.vertices);
@@ -74,6 +80,7 @@ pub fn collapse_edges(
 
 struct Collapse {
     surface: Surface,
+    parts: Parts,
     queue: BucketQueue,
     /// One over the unit of errors.
     per_unit: f64,
@@ -87,10 +94,10 @@ struct Collapse {
 }
 
 impl Collapse {
-    fn new(surface: Surface, per_unit: f64, limit: f64) -> Self {
+    fn new(surface: Surface, parts: Parts, per_unit: f64, limit: f64) -> Self {
         let queue = BucketQueue::new(surface.corners.len());
         let vertices = surface.vertices.iter().filter(|vertex| vertex.leaving != NONE).count();
-        Self { surface, queue, per_unit, window: 0..0, limit, vertices, error: 0.0 }
+        Self { surface, parts, queue, per_unit, window: 0..0, limit, vertices, error: 0.0 }
     }
 
     /// Collapses edges of small error window by window; tells whether that was worth it.
@@ -131,7 +138,7 @@ impl Collapse {
             if let Some((place, candidate)) = self.candidate(side) {
                 if rank(candidate.error) > expected {
                     self.push(side, candidate.error);
-                } else {
+                } else if self.parts.spare(self.surface.corners.from(side)) {
                     self.collapse(side, place, candidate);
                 }
             }
