@@ -31,7 +31,8 @@ impl TriangleMesh {
         for sides in edges.iter() {
             let before = pairs.len();
             self.pair(sides, &mut pairs);
-            taken.edges += usize::from(sides.len() > 1 && (sides.len() != 2 || pairs.len() == before));
+            let crowded = sides.len() > 2 || matches!(sides, [one, other] if one.forward == other.forward);
+            taken.edges += usize::from(crowded);
             for [one, other] in &pairs[before..] {
                 fans.join(one.corners[0], other.corners[0]);
                 fans.join(one.corners[1], other.corners[1]);
@@ -42,11 +43,12 @@ impl TriangleMesh {
         taken
     }
 
-    /// Finds the sides of an edge that stay together.
+    /// Finds the sides of an edge that stay together; those that stay alone are paired with themselves.
     fn pair(&self, sides: &[Side], pairs: &mut Vec<[Side; 2]>) {
         if let [one, other] = sides {
-            if one.forward != other.forward {
-                pairs.push([*one, *other]);
+            match one.forward == other.forward {
+                true => pairs.extend([[*one; 2], [*other; 2]]),
+                false => pairs.push([*one, *other]),
             }
             return;
         }
@@ -72,6 +74,8 @@ impl TriangleMesh {
                 pairs.push([around[start].1, around[place].1]);
             }
         }
+        let alone = around.iter().zip(&matched).filter(|(_, matched)| !**matched);
+        pairs.extend(alone.map(|((_, side), _)| [*side; 2]));
     }
 
     /// How far around an edge the triangle of a side is turned from that of another.
