@@ -52,17 +52,17 @@ impl Edges {
 
 /// Sets that grow together, of numbers from 0.
 #[derive(Clone, Debug)]
-pub(super) struct Sets {
+pub(crate) struct Sets {
     parents: Vec<u32>,
 }
 
 impl Sets {
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self { parents: (0..count as u32).collect() }
     }
 
     /// The smallest number of the set of `of`.
-    pub(super) fn root(&mut self, of: u32) -> u32 {
+    pub(crate) fn root(&mut self, of: u32) -> u32 {
         let mut at = of as usize;
         while self.parents[at] as usize != at {
             self.parents[at] = self.parents[self.parents[at] as usize];
@@ -71,7 +71,7 @@ impl Sets {
         at as u32
     }
 
-    pub(super) fn join(&mut self, a: u32, b: u32) {
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b) as usize] = a.min(b);
     }

@@ -11,6 +11,7 @@ mod feature;
 mod file;
 mod gltf;
 mod intersection;
+mod manifold;
 mod obj;
 mod off;
 mod ply;
@@ -20,6 +21,7 @@ mod text;
 mod triangulation;
 
 pub use check::{Component, Report};
+pub(crate) use edges::Sets;
 pub use error::{MeshFault, MeshFileError};
 pub use feature::FeatureAngles;
 pub use file::{MeshFormat, read, read_polygons, write, write_as};

@@ -1,6 +1,7 @@
 //! What an imported mesh needs before it is taken for a surface.
 
 use std::collections::{HashMap, HashSet};
+use std::fmt;
 
 use super::edges::{Edges, Sets, Side};
 use super::{Point, TriangleMesh};
@@ -18,27 +19,56 @@ pub struct Repairs {
     pub turned_triangles: usize,
     /// Whether everything was turned inside out, since it looked inwards.
     pub turned_all: bool,
-    /// Components with one side only, such as a Möbius strip; they stay as they were.
+    /// Components with one side only, such as a Möbius strip; they are cut open.
     pub one_sided_components: usize,
-    /// Edges of more than two triangles; nothing is done about them, and orientation does not pass over them.
+    /// Edges of more than two triangles, or of two that cannot face the same way, that were taken apart. Orientation does
+    /// not pass over them.
     pub nonmanifold_edges: usize,
+    /// Vertices that were added where sheets touched, so that each has its own.
+    pub split_vertices: usize,
+}
+
+impl fmt::Display for Repairs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = [
+            (self.welded_vertices, "vertices at the place of another became one with it"),
+            (self.dropped_triangles, "triangles without area or there twice left out"),
+            (self.dropped_vertices, "vertices of no triangle left out"),
+            (self.turned_triangles, "triangles turned to agree with their neighbours"),
+            (self.one_sided_components, "components with one side only cut open"),
+            (self.nonmanifold_edges, "edges of more than two triangles taken apart"),
+            (self.split_vertices, "vertices added where sheets touched"),
+        ];
+        let mut separator = "";
+        for (count, text) in what.into_iter().filter(|(count, _)| *count > 0) {
+            write!(f, "{separator}{count} {text}")?;
+            separator = "; ";
+        }
+        if self.turned_all {
+            write!(f, "{separator}all turned, as the whole looked inwards")?;
+        }
+        Ok(())
+    }
 }
 
 impl TriangleMesh {
     /// Makes one vertex of those on boundaries at the same place, drops what is degenerate, there twice or not used, and
-    /// turns triangles so that neighbours agree and the whole looks outwards.
+    /// turns triangles so that neighbours agree and the whole looks outwards, and takes sheets apart that touch, so that a
+    /// manifold is left.
     ///
     /// In each component the fewer triangles are turned. The whole is turned if the volume that its closed components
     /// enclose is negative in sum: hollows inside a body so keep looking into their hollow. Triangles without area whose
     /// vertices differ are kept, since without them there would be a hole; open components are turned with the whole.
     ///
-    /// Cost: three sortings of the sides.
+    /// Cost: five sortings of the sides.
     pub fn repair(&mut self) -> Repairs {
         let mut repairs = Repairs { dropped_triangles: self.drop_triangles(), ..Repairs::default() };
         repairs.welded_vertices = self.weld_boundaries();
         repairs.dropped_triangles += self.drop_triangles();
         repairs.dropped_vertices = self.drop_vertices();
         self.orient(&mut repairs);
+        let taken = self.take_apart();
+        (repairs.nonmanifold_edges, repairs.split_vertices) = (taken.edges, taken.vertices);
         repairs
     }
 
@@ -94,7 +124,6 @@ impl TriangleMesh {
 
     fn orient(&mut self, repairs: &mut Repairs) {
         let edges = Edges::new(self);
-        repairs.nonmanifold_edges = edges.iter().filter(|sides| sides.len() > 2).count();
         let count = self.triangles.len();
         // Each triangle twice: as it is, and turned. Those that fit together make up a set; a component has two sets, or
         // one if it has one side.
@@ -199,6 +228,15 @@ mod tests {
     }
 
     #[test]
+    fn repairs_are_told_in_words() {
+        let repairs = Repairs { welded_vertices: 3, turned_all: true, ..Repairs::default() };
+        assert_eq!(
+            repairs.to_string(),
+            "3 vertices at the place of another became one with it; all turned, as the whole looked inwards"
+        );
+    }
+
+    #[test]
     fn what_looks_inwards_is_turned_and_hollows_stay_hollow() {
         let mut mesh = tetrahedron();
         let hollow = mesh.positions.iter().map(|&point| point * 0.25 + 0.125).collect::<Vec<_>>();
@@ -212,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn one_sided_strips_and_edges_of_three_are_told() {
+    fn one_sided_strips_and_edges_of_three_are_taken_apart() {
         let positions: Vec<Point> = (0..10)
             .map(|vertex| {
                 let turn = f64::from(vertex / 2) * std::f64::consts::TAU / 5.0;
@@ -226,12 +264,17 @@ mod tests {
             .collect();
         triangles.extend([[8, 1, 9], [9, 1, 0]]);
         let mut strip = TriangleMesh { positions, triangles };
-        let before = strip.clone();
-        assert_eq!(strip.repair(), Repairs { one_sided_components: 1, ..Repairs::default() });
-        assert_eq!(strip, before);
+        let repairs = strip.repair();
+        assert_eq!(
+            (repairs.one_sided_components, repairs.nonmanifold_edges, repairs.split_vertices),
+            (1, 1, 2)
+        );
+        let report = Report::of(&strip);
+        assert!(report.is_manifold() && report.inconsistent_edges == 0 && report.boundary_loops() == 1);
         let mut fins = tetrahedron();
         fins.positions.push(Point::ONE);
         fins.triangles.push([0, 1, 4]);
         assert_eq!(fins.repair().nonmanifold_edges, 1);
+        assert!(Report::of(&fins).is_manifold());
     }
 }

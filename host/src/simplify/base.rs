@@ -3,8 +3,16 @@
 use super::{Constraints, SimplifyError, Target, collapse_edges, remove_edges};
 use crate::mesh::{PolygonMesh, TriangleMesh};
 
-/// Makes the base mesh of a manifold: polygons of three to five sides, with the topology, the boundary and the features of
-/// the triangles.
+/// A base mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseMesh {
+    /// Polygons of three to five sides.
+    pub mesh: PolygonMesh,
+    /// The largest error that an edge collapse was taken for, in units of the positions.
+    pub error: f64,
+}
+
+/// Makes the base mesh of a manifold, with the topology, the boundary and the features of the triangles.
 ///
 /// # Errors
 /// Those of [`collapse_edges`].
@@ -14,9 +22,9 @@ pub fn base_mesh(
     mesh: &TriangleMesh,
     constraints: &Constraints,
     target: Target,
-) -> Result<PolygonMesh, SimplifyError> {
+) -> Result<BaseMesh, SimplifyError> {
     let collapsed = collapse_edges(mesh, constraints, target)?;
     let mut triangles = PolygonMesh::from(collapsed.mesh);
     triangles.features = collapsed.features;
-    Ok(remove_edges(&triangles))
+    Ok(BaseMesh { mesh: remove_edges(&triangles), error: collapsed.error })
 }

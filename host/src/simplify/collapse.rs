@@ -15,6 +15,7 @@ use std::ops::Range;
 use super::corners::{NONE, next, previous};
 use super::deviation::{Candidate, candidate};
 use super::legality::{Place, place};
+use super::parts::Parts;
 use super::priority::{BucketQueue, rank};
 use super::star::Star;
 use super::surface::{Surface, Vertex};
@@ -50,7 +51,8 @@ pub struct Collapsed {
 
 /// Collapses edges of a manifold, the least harmful first, until `target` is met or no edge may be collapsed.
 ///
-/// Topology, features and boundary stay as the rules of [`super`] say. The result depends on nothing but the arguments.
+/// Topology, features and boundary stay as the rules of [`super`] say, and a component keeps some vertices. The result
+/// depends on nothing but the arguments.
 ///
 /// A target may be out of reach: a closed component keeps four vertices at least, and one of Euler characteristic χ < 0 at
 /// least 3 |χ|, as a vertex has at most eight edges; what is left of such components in practice is 5.3 to 5.7 |χ|.
@@ -64,13 +66,18 @@ pub fn collapse_edges(
     constraints: &Constraints,
     target: Target,
 ) -> Result<Collapsed, SimplifyError> {
-    let surface = Surface::new(mesh, constraints)?;
+    let mut surface = Surface::new(mesh, constraints)?;
     let per_unit = 1.0 / surface.mean_edge().max(f64::MIN_POSITIVE);
+    for (vertex, &error) in surface.vertices.iter_mut().zip(&constraints.errors) {
+        vertex.accumulated = (f64::from(error) * per_unit) as f32;
+    }
     let limit = target.error * per_unit;
-    let mut collapse = Collapse::new(surface, per_unit, limit);
+    let parts = Parts::new(&surface.vertices, &surface.corners);
+    let mut collapse = Collapse::new(surface, parts, per_unit, limit);
     while collapse.vertices / (SHARE * MARGIN) >= target.vertices.max(LARGE) && collapse.windows(limit) {
-        let Collapse { surface, error, .. } = collapse;
-        collapse = Collapse { error, ..Collapse::new(surface.compact(), per_unit, limit) };
+        let Collapse { surface, mut parts, error, .. } = collapse;
+        parts.compact(&surface.vertices);
+        collapse = Collapse { error, ..Collapse::new(surface.compact(), parts, per_unit, limit) };
     }
     collapse.window = 0..collapse.surface.corners.len();
     collapse.rounds(target.vertices);
@@ -81,6 +88,7 @@ pub fn collapse_edges(
 
 struct Collapse {
     surface: Surface,
+    parts: Parts,
     queue: BucketQueue,
     /// One over the unit of errors.
     per_unit: f64,
@@ -94,10 +102,10 @@ struct Collapse {
 }
 
 impl Collapse {
-    fn new(surface: Surface, per_unit: f64, limit: f64) -> Self {
+    fn new(surface: Surface, parts: Parts, per_unit: f64, limit: f64) -> Self {
         let queue = BucketQueue::new(surface.corners.len());
         let vertices = surface.vertices.iter().filter(|vertex| vertex.leaving != NONE).count();
-        Self { surface, queue, per_unit, window: 0..0, limit, vertices, error: 0.0 }
+        Self { surface, parts, queue, per_unit, window: 0..0, limit, vertices, error: 0.0 }
     }
 
     /// Collapses edges of small error window by window; tells whether that was worth it.
@@ -152,7 +160,7 @@ impl Collapse {
             if let Some((place, candidate)) = self.candidate(side) {
                 if rank(candidate.error) > expected {
                     self.queue.push(side, rank(candidate.error));
-                } else {
+                } else if self.parts.spare(self.surface.corners.from(side)) {
                     self.collapse(side, place, candidate);
                 }
             }

@@ -10,6 +10,7 @@ mod edge_removal;
 mod leaf_faces;
 mod legality;
 mod octree;
+mod parts;
 mod priority;
 mod separate;
 mod star;
@@ -18,7 +19,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use base::base_mesh;
+pub use base::{BaseMesh, base_mesh};
 pub use collapse::{Collapsed, collapse_edges};
 pub use edge_removal::remove_edges;
 pub use leaf_faces::octree_mesh;
@@ -34,6 +35,9 @@ pub struct Constraints {
     pub features: Features,
     /// The grid in whose border planes the boundary lies: it stays in them, and turns from one to another where it did.
     pub border: Option<Grid>,
+    /// The error that each vertex is taken to come with, in units of the positions: edges collapse the later, the larger it
+    /// is at their ends, and not at all where that is [`Target::error`] or more. Empty where there is none.
+    pub errors: Vec<f32>,
 }
 
 /// When to stop.

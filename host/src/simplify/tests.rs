@@ -67,7 +67,7 @@ fn check_all(mesh: &TriangleMesh, grid: Option<Grid>, share: usize) -> (Collapse
     let constraints = Constraints { border: grid, ..Constraints::default() };
     let target = Target { vertices: mesh.positions.len() / share, error: NO_LIMIT };
     let collapsed = collapse_edges(mesh, &constraints, target).expect("a manifold");
-    let base = base_mesh(mesh, &constraints, target).expect("a manifold");
+    let base = base_mesh(mesh, &constraints, target).expect("a manifold").mesh;
     let before = topology(mesh);
     assert_eq!(topology(&collapsed.mesh), before);
     assert_eq!(topology(&base), before);
@@ -101,7 +101,8 @@ fn what_cannot_be_smaller_is_left() {
     let none = Target { vertices: 0, error: NO_LIMIT };
     let collapsed = collapse_edges(&mesh, &Constraints::default(), none).unwrap();
     assert_eq!(topology(&collapsed.mesh), [(2, 0)]);
-    assert!((4..12).contains(&collapsed.mesh.positions.len()), "{}", collapsed.mesh.positions.len());
+    // Of some 250 vertices.
+    assert!((12..20).contains(&collapsed.mesh.positions.len()), "{}", collapsed.mesh.positions.len());
 }
 
 #[test]
@@ -178,7 +179,7 @@ fn cube(size: u32) -> (TriangleMesh, Features) {
 fn a_cube_with_sharp_edges_becomes_a_cube() {
     let (mesh, features) = cube(9);
     assert_eq!(features.edges.len(), 12 * 9);
-    let constraints = Constraints { features, border: None };
+    let constraints = Constraints { features, ..Constraints::default() };
     let target = Target { vertices: 0, error: 1e-3 };
     let collapsed = collapse_edges(&mesh, &constraints, target).unwrap();
     let volume = Report::of(&collapsed.mesh).volume();
@@ -211,8 +212,8 @@ fn sharp_features_of_fandisk_survive() {
     };
     let before = length(&mesh.positions, &features.edges);
     let corners = corners_of(&mesh.positions, &features);
-    let constraints = Constraints { features, border: None };
-    let base = base_mesh(&mesh, &constraints, Target { vertices: 300, error: NO_LIMIT }).unwrap();
+    let constraints = Constraints { features, ..Constraints::default() };
+    let base = base_mesh(&mesh, &constraints, Target { vertices: 300, error: NO_LIMIT }).unwrap().mesh;
     assert_eq!(topology(&base), topology(&mesh));
     let after = length(&base.positions, &base.features.edges);
     assert!((after / before - 1.0).abs() < 0.02, "{before} {after}");
@@ -233,7 +234,7 @@ fn corners_of(positions: &[Point], features: &Features) -> Vec<[u64; 3]> {
 fn the_same_mesh_gives_the_same_base() {
     let mesh = contour(&wave(32, 0.5, 0.0), 0.0).unwrap();
     let target = Target { vertices: 300, error: NO_LIMIT };
-    let [one, two] = [0, 1].map(|_| base_mesh(&mesh, &Constraints::default(), target).unwrap());
+    let [one, two] = [0, 1].map(|_| base_mesh(&mesh, &Constraints::default(), target).unwrap().mesh);
     assert_eq!(one, two);
 }
 
@@ -243,7 +244,9 @@ fn meshes_that_are_none_are_refused() {
     let refused = |positions: &[Point], triangles: &[[u32; 3]], features: Features| {
         let mesh = TriangleMesh { positions: positions.to_vec(), triangles: triangles.to_vec() };
         let target = Target { vertices: 0, error: NO_LIMIT };
-        collapse_edges(&mesh, &Constraints { features, border: None }, target).map(|_| ()).unwrap_err()
+        collapse_edges(&mesh, &Constraints { features, ..Constraints::default() }, target)
+            .map(|_| ())
+            .unwrap_err()
     };
     let pinched = [[0, 1, 2], [0, 3, 4]];
     assert_eq!(
@@ -260,7 +263,7 @@ fn meshes_that_are_none_are_refused() {
     assert_eq!(refused(&infinite, &pinched[..1], Features::default()), expected);
     let empty = TriangleMesh::default();
     let target = Target { vertices: 0, error: NO_LIMIT };
-    assert!(base_mesh(&empty, &Constraints::default(), target).unwrap().faces().is_empty());
+    assert!(base_mesh(&empty, &Constraints::default(), target).unwrap().mesh.faces().is_empty());
 }
 
 #[test]

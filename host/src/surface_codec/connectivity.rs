@@ -205,7 +205,7 @@ impl<'c, 'g, C: BitCoder> Walk<'c, 'g, C> {
         if degree > room || self.made.faces.len() >= self.limit[1] {
             return None;
         }
-        let mut corners: Vec<u32> = Vec::with_capacity(degree);
+        let mut corners: Vec<u32> = Vec::new();
         corners.extend(gate.iter().flat_map(|(side, _)| side));
         while corners.len() < degree {
             let corner = self.corner(&corners, old.get(corners.len()).copied(), gate, degree)?;

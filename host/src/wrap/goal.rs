@@ -1,5 +1,7 @@
 //! The surface that vertices are moved to, once they are near it.
 
+use rayon::prelude::*;
+
 use super::attract::ZERO;
 use super::border::Sides;
 use super::level::Space;
@@ -13,6 +15,10 @@ const STEPS: usize = 4;
 const LONGEST_STEP: f64 = 0.5;
 /// Closest points, each followed by a step back to the border, for points on the border.
 const RETURNS: usize = 4;
+/// The longest way that [`ways`] goes, in cells.
+const LONGEST_WAY: f64 = 2.0;
+/// What is left of the way down where it has led to the surface, in cells.
+const THERE: f64 = 1e-2;
 /// How much farther a triangle may be than the zero of the distance field, in cells.
 const FARTHER: f64 = 1.0;
 
@@ -67,16 +73,31 @@ impl<'a> Goal<'a> {
         }
     }
 
-    /// Whether a point is at most `limit` from the surface, as far as a look at it tells.
-    pub(super) fn is_near(&self, point: Point, limit: f64) -> bool {
-        match self {
+    /// How far a point is from the surface, in cells' edges: the way down to it, or, where that leads nowhere, what the
+    /// distance field says.
+    pub(super) fn distance_in_cells(&self, point: Point, space: &Space) -> f64 {
+        let by_field = space.distance_in_cells(point);
+        let way = match self {
             Self::Field(field, value) => {
-                let (found, gradient) = field.sample_clamped_with_gradient(point);
-                (found - value).abs() <= limit * gradient.length()
+                let reach = (by_field + FARTHER) * space.cell;
+                Descent { field, value: *value, reach, cell: space.cell }.way(point)
             }
-            Self::Triangles(triangles) => triangles.closest_within(point, limit * limit).is_some(),
-        }
+            Self::Triangles(triangles) => {
+                triangles.closest(point).map(|closest| closest.distance_squared.sqrt())
+            }
+        };
+        way.map_or(by_field, |way| way / space.cell)
     }
+}
+
+/// How far points are from where a field has a value, in cells' edges, going down its gradient; none where that does not
+/// lead there within a few cells. It is no less than the distance, and little more nearby.
+///
+/// Cost: a few samples of the field for each point, on all threads.
+pub fn ways(field: &ScalarField, value: f64, points: &[Point]) -> Vec<Option<f64>> {
+    let cell = field.grid().cell_edge();
+    let descent = Descent { field, value, reach: LONGEST_WAY * cell, cell };
+    points.par_iter().map(|&point| Some(descent.way(point)? / cell)).collect()
 }
 
 /// A way down to where a field has a value.
@@ -88,6 +109,14 @@ struct Descent<'a> {
 }
 
 impl Descent<'_> {
+    /// How far it is, if it leads to the value.
+    fn way(&self, point: Point) -> Option<f64> {
+        let place = self.from(point, Sides::default());
+        let (found, gradient) = self.field.sample_clamped_with_gradient(place);
+        let is_there = (found - self.value).abs() <= THERE * self.cell * gradient.length();
+        is_there.then(|| place.distance(point))
+    }
+
     /// Newton's method along the gradient, as far as the sides leave it free, in short steps.
     fn from(&self, point: Point, sides: Sides) -> Point {
         let mut place = point;
@@ -122,7 +151,8 @@ mod tests {
         let excess = |point: Point| 3.0 * point.x + 4.0 * point.y - 25.0;
         let found = goal.approach(Point::new(3.0, 4.5, 2.0), Sides::default(), 1.0, &space);
         assert!(excess(found).abs() < 1e-4 && found.z == 2.0, "{found}");
-        assert!(goal.is_near(found, 1e-4) && !goal.is_near(Point::new(3.0, 4.5, 2.0), 0.3));
+        let off = |point| goal.distance_in_cells(point, &space);
+        assert!(off(found) < 1e-4 && (off(Point::new(3.0, 4.5, 2.0)) - 0.4).abs() < 1e-4);
         let far = Point::new(1.0, 1.0, 2.0);
         assert!(goal.approach(far, Sides::default(), 0.3, &space).distance(far) <= 0.3);
         let on_border = Point::new(0.0, 6.0, 2.0);
@@ -140,6 +170,7 @@ mod tests {
         let from = Point::new(0.0, 5.5, 4.0);
         let found = goal.approach(from, space.border.sides(from), 2.0, &space);
         assert!(found.x == 0.0 && (found.y - 5.0).abs() < 0.01, "{found}");
-        assert!(goal.is_near(found, 0.01) && !goal.is_near(from, 0.3));
+        let off = |point| goal.distance_in_cells(point, &space);
+        assert!(off(found) < 0.01 && off(from) > 0.3);
     }
 }

@@ -25,7 +25,7 @@ mod rings;
 mod tests;
 
 pub use error::WrapError;
-pub use goal::Target;
+pub use goal::{Target, ways};
 pub use lines::Lines;
 pub use quality::Inverted;
 pub use report::{Cause, Failure, LevelReport, Misfit, SMALL, UNFIT, WrapReport};
@@ -52,7 +52,7 @@ pub struct WrapOptions<'a> {
     pub keep_height: bool,
     /// How far attraction looks for the surface, in lengths of the vertex' edges.
     pub reach: f64,
-    /// Most vertices that the finest mesh may have.
+    /// Most vertices that the finest mesh may have: as many as decoders accept.
     pub vertex_limit: u64,
     /// What the finest vertices are moved to in the end.
     pub target: Target<'a>,
@@ -70,7 +70,7 @@ impl Default for WrapOptions<'_> {
             relaxation: 0.2,
             keep_height: false,
             reach: 1.0,
-            vertex_limit: 1 << 28,
+            vertex_limit: 1 << 26,
             target: Target::Distance,
             lines: None,
         }

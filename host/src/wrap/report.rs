@@ -72,7 +72,7 @@ pub struct Failure {
     pub diagonal: f64,
     /// Vertices farther than [`UNFIT`] from the target.
     pub unfit: usize,
-    /// The farthest of them from the zeros of the distance field, in cells' edges.
+    /// How far the farthest of them is from the target, in cells' edges.
     pub most: f64,
     /// Faces of which a corner is turned over.
     pub inverted: usize,
@@ -116,8 +116,7 @@ pub(super) fn failures(level: &Level, space: &Space, goal: &Goal, inverted: &[u3
     let firsts = level.first_of_components();
     let none = Tally { vertices: 0, bounds: Bounds::NONE, unfit: 0, most: 0.0, inverted: 0 };
     let mut tallies = vec![none; firsts.len()];
-    let limit = UNFIT * space.cell;
-    let misfit = |&place: &Point| (!goal.is_near(place, limit)).then(|| space.distance_in_cells(place));
+    let misfit = |&place: &Point| Some(goal.distance_in_cells(place, space)).filter(|&off| off > UNFIT);
     let misfits: Vec<Option<f64>> = level.positions.par_iter().map(misfit).collect();
     for ((&component, &place), misfit) in level.components.iter().zip(&level.positions).zip(misfits) {
         let tally = &mut tallies[component as usize];

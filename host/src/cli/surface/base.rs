@@ -78,7 +78,7 @@ fn of_mesh(args: &Args) -> Result<(), Failure> {
         constraints.features = Features::by_angle(&mesh, FeatureAngles { edge, ..FeatureAngles::default() });
     }
     let target = target(&mesh, args.share).map_err(|error| Failure::new(Fault::Usage, error))?;
-    let base = base_mesh(&mesh, &constraints, target).map_err(|error| bad(&args.input, error))?;
+    let base = base_mesh(&mesh, &constraints, target).map_err(|error| bad(&args.input, error))?.mesh;
     let seconds = start.elapsed().as_secs_f64();
     write_mesh(&base, &args.output)?;
     print(&format!("{} -> {} in {seconds:.2} s\n", Report::of(&mesh), Report::of(&base)))

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use wavelift_host::field::ScalarField;
-use wavelift_host::measure::SurfaceDistance;
-use wavelift_host::mesh::Report;
-use wavelift_host::pipeline::{self, BuildError, BuildOptions, Built, Source, Stage};
+use wavelift_host::mesh::{Repairs, Report};
+use wavelift_host::pipeline::{self, BuildError, BuildOptions, Built, Missed, Source, Stage};
 use wavelift_host::volume::{self, Fault, WriteOptions};
+use wavelift_host::wrap::Misfit;
 
 use super::encode::{self, How};
 use super::file::{self, is_mesh, read_field, read_mesh, refuse_mesh, write_bytes, write_mesh};
@@ -19,8 +19,8 @@ use crate::cli::output::{print, tell};
 /// Share of a cell's edge that coding may move a surface by, unless something else is asked for.
 const FINE: f64 = 0.02;
 
-/// Samples by which the surface is compared with the contour.
-const SAMPLES: usize = 100_000;
+/// Parts that the surface misses which are listed.
+const MOST_MISSED: usize = 20;
 
 /// Build a compressed surface from an isosurface of a volume, or from a mesh
 ///
@@ -41,15 +41,18 @@ pub(crate) struct Args {
     /// Vertices of the base mesh, as a share of those of the contour or the mesh
     #[arg(long, value_name = "S", default_value_t = 0.02)]
     share: f64,
+    /// How often the base mesh is made finer where the surface does not fit, at most
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    rounds: u32,
     /// How often faces are split
     #[arg(long, value_name = "N", default_value_t = 3)]
     levels: u32,
     /// Splits no further once the surface fits this well, in cells' edges
     #[arg(long, value_name = "T", default_value_t = 0.0)]
     tolerance: f64,
-    /// Cells along the longest axis of a mesh
-    #[arg(long, value_name = "N", default_value_t = 192)]
-    cells: usize,
+    /// Cells along the longest axis of a mesh [default: 192]
+    #[arg(long, value_name = "N")]
+    cells: Option<usize>,
     /// Edges of a mesh are sharp where its faces turn by more than so many degrees
     #[arg(long, value_name = "DEGREES")]
     sharp: Option<f64>,
@@ -76,9 +79,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let options = BuildOptions {
         share: args.share,
+        rounds: args.rounds,
         levels: args.levels,
         tolerance: args.tolerance,
-        cells: args.cells,
+        cells: args.cells.unwrap_or(BuildOptions::default().cells),
         sharp: args.sharp,
     };
     let mut times = Vec::new();
@@ -95,10 +99,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let cell = built.distance.grid().cell_edge();
     let encoded = file::encode(&args.input, surface, &args.how.settings(FINE * cell))?;
     write_bytes(&args.output, &encoded.bytes)?;
-    let fit = fit(&built, cell);
+    let fit = fit(&built);
+    warn(&built, is_mesh(&args.input));
     print(&format!(
-        "contour: {}\nbase:    {}\n{}{fit}times: {}\n{}",
+        "contour: {}\n{}base:    {}\n{}{fit}times: {}\n{}",
         Report::of(&built.contour),
+        repairs(&built),
         Report::of(&built.base),
         wrap::text(&built.wrapped.report),
         times.join(", "),
@@ -106,10 +112,36 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     ))
 }
 
+/// What was changed of a mesh.
+fn repairs(built: &Built) -> String {
+    if built.repairs == Repairs::default() { String::new() } else { format!("repairs: {}\n", built.repairs) }
+}
+
+/// Tells of what is lost where people see it.
+fn warn(built: &Built, is_mesh: bool) {
+    let Built { fit, .. } = built;
+    if let Some(worst) = fit.missed.first() {
+        tell(format_args!(
+            "warning: the surface misses parts of {} components, by up to {:.1} cells' edges: try a larger --share or \
+             more --rounds",
+            fit.missed.len(),
+            worst.most,
+        ));
+    }
+    let report = Report::of(&built.contour);
+    if is_mesh && report.boundary_loops() > 0 {
+        tell(format_args!(
+            "warning: the mesh is open ({} boundary loops), and has no inside near its boundary: the surface may stray \
+             there",
+            report.boundary_loops(),
+        ));
+    }
+}
+
 /// Whether what was asked for is at fault, or INPUT.
 fn fault(error: &BuildError) -> Fault {
     match error {
-        BuildError::Share { .. } => Fault::Usage,
+        BuildError::Share { .. } | BuildError::NoSurface { .. } => Fault::Usage,
         BuildError::Wrap(error) => wrap::fault(error),
         _ => Fault::Data,
     }
@@ -123,24 +155,42 @@ fn field(args: &Args) -> Result<Option<ScalarField>, Failure> {
         }
         (true, None) => Ok(None),
         (false, None) => Err(Failure::new(Fault::Usage, "which surface of the volume? give --iso")),
+        (false, Some(_)) if args.sharp.is_some() || args.cells.is_some() => {
+            let what = "--sharp and --cells are for meshes, and INPUT is a volume: leave them out";
+            Err(Failure::new(Fault::Usage, what))
+        }
         (false, Some(_)) => read_field(&args.input, &args.raw).map(Some),
     }
 }
 
-/// How far the finest mesh is from the contour.
-fn fit(built: &Built, cell: f64) -> String {
+/// How far the finest mesh and the contour are from each other, and what of the contour is missed.
+fn fit(built: &Built) -> String {
     let surface = &built.wrapped.surface;
-    let finest = surface.level(surface.levels);
-    let report = Report::of(&finest);
-    let distance = SurfaceDistance::between(&built.contour, &finest.triangulated(), SAMPLES);
-    let measured = distance.map_or_else(String::new, |distance| {
+    let fit = &built.fit;
+    let way =
+        |misfit: Misfit| format!("{:.2} % rms, {:.0} % at most", 100.0 * misfit.rms, 100.0 * misfit.most);
+    let mut lines = vec![
+        format!("finest:  {}", Report::of(&surface.level(surface.levels))),
         format!(
-            "; off the contour by {:.2} % of a cell's edge rms, {:.0} % at most",
-            100.0 * distance.rms(cell),
-            100.0 * distance.max(cell)
-        )
-    });
-    format!("finest:  {report}{measured}\n")
+            "fit, in % of a cell's edge: surface from contour {}; contour from surface {}",
+            way(fit.forward),
+            way(fit.backward)
+        ),
+    ];
+    lines.extend(fit.missed.iter().take(MOST_MISSED).map(missed));
+    if fit.missed.len() > MOST_MISSED {
+        lines.push(format!("  and {} more", fit.missed.len() - MOST_MISSED));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn missed(part: &Missed) -> String {
+    let Missed { place, most, missed, vertices, diagonal } = part;
+    format!(
+        "  the surface misses {missed} of the {vertices} vertices of a part of the contour {diagonal:.1} cells long, \
+         by up to {most:.1} cells at ({:.1}, {:.1}, {:.1})",
+        place.x, place.y, place.z
+    )
 }
 
 fn keep(folder: &Path, built: &Built) -> Result<(), Failure> {

@@ -66,9 +66,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             "relative_max": distance.max(distance.diagonal),
         }));
     }
+    let name = |path: &std::path::Path| match level_of(path) {
+        Some(level) => format!("{}, level {level}", path.display()),
+        None if super::file::is_surface(path) => format!("{}, finest level", path.display()),
+        None => path.display().to_string(),
+    };
     let mut lines = vec![
-        format!("{}: {}", args.first.display(), Report::of(&first)),
-        format!("{}: {}", args.second.display(), Report::of(&second)),
+        format!("{}: {}", name(&args.first), Report::of(&first)),
+        format!("{}: {}", name(&args.second), Report::of(&second)),
         "                     mean         rms         max".to_owned(),
     ];
     let mut line = |what: &str, [mean, rms, max]: [f64; 3]| {

@@ -32,6 +32,9 @@ pub(crate) struct Args {
     /// Decodes only region R, the first being 0, of a surface that was encoded by regions, and writes its faces
     #[arg(long, value_name = "R", conflicts_with = "bytes")]
     region: Option<usize>,
+    /// Refuses surfaces of more vertices than this, each of which takes about 100 bytes of memory
+    #[arg(long, value_name = "N", default_value_t = Limits::default().vertices)]
+    most_vertices: u64,
     /// Moves vertices to where endless bicubic subdivision would
     #[arg(long)]
     limit: bool,
@@ -45,15 +48,16 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.output)?;
     refuse_other_than_mesh(&args.output)?;
     let bytes = read_bytes(&args.input, args.bytes)?;
+    let accepted = Limits { vertices: args.most_vertices };
     let (surface, faces) = match args.region {
         None => {
-            let surface = surface_codec::decode(&bytes, Limits::default());
+            let surface = surface_codec::decode(&bytes, accepted);
             let surface = surface.map_err(|error| bad(&args.input, error))?;
             let faces = 0..surface.base.len();
             (surface, faces)
         }
         Some(region) => {
-            let decoded = surface_codec::decode_region(&bytes, region, Limits::default());
+            let decoded = surface_codec::decode_region(&bytes, region, accepted);
             decoded.map_err(|error| match error {
                 DecodeError::Region { .. } => Failure::at(&args.input, Fault::Usage, error),
                 _ => bad(&args.input, error),

@@ -3,15 +3,21 @@
 //! contour → signed distance → base mesh → shrink-wrapped surface: Vis2000 §4, Dataflow §1–3. Each stage is a module of its
 //! own; here they are put together with what is best for most surfaces.
 
+mod care;
+mod fit;
+mod making;
+
 use std::time::{Duration, Instant};
+
+pub use fit::{Fit, MISSED, Missed};
 
 use crate::distance::{self, DistanceError};
 use crate::field::{Grid, ScalarField};
 use crate::isosurface::{ContourError, contour};
-use crate::measure::Bvh;
-use crate::mesh::{FeatureAngles, Features, PolygonMesh, TriangleMesh};
-use crate::simplify::{self, Constraints, SimplifyError, base_mesh};
-use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
+use crate::mesh::{FeatureAngles, Features, PolygonMesh, Repairs, TriangleMesh};
+use crate::simplify::{self, Constraints, SimplifyError};
+use crate::wrap::{WrapError, Wrapped};
+use making::{Fitted, Making};
 
 /// Distances are known so far from the surface, in cells: farther than any base mesh strays.
 const BAND: f64 = 24.0;
@@ -31,8 +37,10 @@ pub enum Source<'a> {
 /// How a surface is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// Vertices of the base mesh, as a share of those of the contour or the mesh.
+    /// Vertices of the base mesh, as a share of those of the contour or the mesh, before it is made finer in places.
     pub share: f64,
+    /// How often the base mesh is made finer, at most, in places where the surface does not fit.
+    pub rounds: u32,
     /// How often the base mesh is split.
     pub levels: u32,
     /// Splits no further once the surface fits this well, in cells' edges.
@@ -45,7 +53,7 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { share: 0.02, levels: 3, tolerance: 0.0, cells: 192, sharp: None }
+        Self { share: 0.02, rounds: 3, levels: 3, tolerance: 0.0, cells: 192, sharp: None }
     }
 }
 
@@ -58,7 +66,7 @@ pub enum Stage {
     Distance,
     /// The base mesh.
     Base,
-    /// Shrink-wrapping.
+    /// Shrink-wrapping, and measuring what it came to.
     Wrap,
 }
 
@@ -77,23 +85,35 @@ impl Stage {
 /// A surface, and what it was made of on the way.
 #[derive(Clone, Debug)]
 pub struct Built {
+    /// What was changed of a mesh before anything else.
+    pub repairs: Repairs,
     /// The contour of the field, or the repaired mesh.
     pub contour: TriangleMesh,
     /// Signed distance to it, within some cells.
     pub distance: ScalarField,
     /// The base mesh.
     pub base: PolygonMesh,
-    /// The surface, and how well it fits.
+    /// The surface, and how each level of it came about.
     pub wrapped: Wrapped,
+    /// How well it fits the contour or the mesh, both ways.
+    pub fit: Fit,
 }
 
 /// Why there is no surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
-    /// The isovalue is not taken, or the mesh has no triangle.
-    #[error(
-        "there is no surface: no cell has values on both sides of the isovalue, or the mesh has no triangle"
-    )]
+    /// The isovalue is not taken.
+    #[error("there is no surface at {isovalue}: the values lie between {low} and {high}")]
+    NoSurface {
+        /// What was asked for.
+        isovalue: f32,
+        /// The smallest value of the field.
+        low: f32,
+        /// The largest one.
+        high: f32,
+    },
+    /// The mesh has no triangle.
+    #[error("the mesh has no triangle with an area: there is no surface")]
     Empty,
     /// The share of vertices is none.
     #[error("{share} of the vertices is no share: give more than 0 and at most 1")]
@@ -120,10 +140,12 @@ pub enum BuildError {
 /// # Errors
 /// [`BuildError::Share`] unless 0 < `share` <= 1.
 pub fn target(mesh: &TriangleMesh, share: f64) -> Result<simplify::Target, BuildError> {
-    if !(share > 0.0 && share <= 1.0) {
-        return Err(BuildError::Share { share });
-    }
+    check_share(share)?;
     Ok(simplify::Target { vertices: (mesh.positions.len() as f64 * share) as usize, error: f64::INFINITY })
+}
+
+fn check_share(share: f64) -> Result<(), BuildError> {
+    if share > 0.0 && share <= 1.0 { Ok(()) } else { Err(BuildError::Share { share }) }
 }
 
 /// Builds a surface, and tells how long each stage took.
@@ -137,15 +159,16 @@ pub fn build(
     options: &BuildOptions,
     observe: &mut dyn FnMut(Stage, Duration),
 ) -> Result<Built, BuildError> {
+    check_share(options.share)?;
     let mut timed = Timed { start: Instant::now(), observe };
-    let mut constraints = Constraints::default();
+    let (mut constraints, mut repairs) = (Constraints::default(), Repairs::default());
     let (contour, field) = match source {
         Source::Isosurface(field, isovalue) => {
             constraints.border = Some(*field.grid());
             (contour(field, isovalue)?, Some((field, isovalue)))
         }
         Source::Mesh(mut mesh) => {
-            mesh.repair();
+            repairs = mesh.repair();
             if let Some(edge) = options.sharp {
                 constraints.features =
                     Features::by_angle(&mesh, FeatureAngles { edge, ..FeatureAngles::default() });
@@ -154,7 +177,7 @@ pub fn build(
         }
     };
     if contour.triangles.is_empty() {
-        return Err(BuildError::Empty);
+        return Err(field.map_or(BuildError::Empty, |(field, isovalue)| no_surface(field, isovalue)));
     }
     timed.done(Stage::Contour);
     let distance = match field {
@@ -165,30 +188,15 @@ pub fn build(
         }
     };
     timed.done(Stage::Distance);
-    let base = base_mesh(&contour, &constraints, target(&contour, options.share)?)?;
-    timed.done(Stage::Base);
-    let wrapped = wrap_onto(&contour, &constraints.features, field, &base, &distance.field, options)?;
-    timed.done(Stage::Wrap);
-    Ok(Built { contour, distance: distance.field, base, wrapped })
+    let making = Making { contour: &contour, constraints, field, distance: &distance.field, options };
+    let Fitted { base, wrapped, fit } = making.fitted(&mut |stage| timed.done(stage))?;
+    Ok(Built { repairs, contour, distance: distance.field, base, wrapped, fit })
 }
 
-fn wrap_onto(
-    contour: &TriangleMesh,
-    features: &Features,
-    field: Option<(&ScalarField, f32)>,
-    base: &PolygonMesh,
-    distance: &ScalarField,
-    options: &BuildOptions,
-) -> Result<Wrapped, WrapError> {
-    let wrap_options =
-        WrapOptions { levels: options.levels, tolerance: options.tolerance, ..WrapOptions::default() };
-    if let Some((field, isovalue)) = field {
-        let target = wrap::Target::Isosurface(field, isovalue.into());
-        return wrap(base, distance, &WrapOptions { target, ..wrap_options });
-    }
-    let (tree, lines) = (Bvh::new(contour), Lines::of_mesh(contour, features));
-    let target = wrap::Target::Triangles(&tree);
-    wrap(base, distance, &WrapOptions { target, lines: Some(&lines), ..wrap_options })
+fn no_surface(field: &ScalarField, isovalue: f32) -> BuildError {
+    let within = |[low, high]: [f32; 2], &value: &f32| [low.min(value), high.max(value)];
+    let [low, high] = field.values().iter().fold([f32::INFINITY, f32::NEG_INFINITY], within);
+    BuildError::NoSurface { isovalue, low, high }
 }
 
 fn band(grid: &Grid) -> distance::Options {
@@ -239,10 +247,35 @@ mod tests {
     }
 
     #[test]
+    fn horns_and_small_balls_come_through() {
+        // A ball with a thin horn, and balls of a few cells beside it.
+        let grid = Grid { extent: [44; 3], origin: Point::ZERO, spacing: Point::ONE };
+        let field = ScalarField::from_function(grid, |point| {
+            let ball = 8.0 - point.distance(Point::new(12.0, 12.0, 12.0));
+            let along = point.x.clamp(12.0, 38.0);
+            let horn = 1.3 - point.distance(Point::new(along, 12.0, 12.0));
+            let beads = [20.0, 26.0, 32.0].map(|y| 2.4 - point.distance(Point::new(30.0, y, 30.0)));
+            beads.into_iter().fold(ball.max(horn), f64::max)
+        });
+        let options = BuildOptions { share: 0.005, rounds: 0, levels: 2, ..BuildOptions::default() };
+        let build = |rounds| {
+            let options = BuildOptions { rounds, ..options };
+            build(Source::Isosurface(&field, 0.0), &options, &mut |_, _| ()).unwrap()
+        };
+        let (coarse, fine) = (build(0), build(3));
+        assert!(coarse.fit.backward.most > MISSED && !coarse.fit.missed.is_empty(), "{:?}", coarse.fit);
+        assert!(fine.fit.rms() < 0.08 && fine.fit.missed.is_empty(), "{:?}", fine.fit);
+        let report = Report::of(&fine.wrapped.surface.level(2));
+        assert_eq!((report.genus(), report.components.len(), report.is_closed()), (Some(0), 4, true));
+        assert!(fine.wrapped.report.failures.is_empty(), "{:?}", fine.wrapped.report.failures);
+    }
+
+    #[test]
     fn what_is_no_surface_is_told() {
         let field = ScalarField::from_function(Grid::unit([4; 3]), |point| point.x);
         let error = |source, options| build(source, &options, &mut |_, _| ()).unwrap_err();
-        assert_eq!(error(Source::Isosurface(&field, 9.0), BuildOptions::default()), BuildError::Empty);
+        let far = BuildError::NoSurface { isovalue: 9.0, low: 0.0, high: 3.0 };
+        assert_eq!(error(Source::Isosurface(&field, 9.0), BuildOptions::default()), far);
         assert_eq!(error(Source::Mesh(TriangleMesh::default()), BuildOptions::default()), BuildError::Empty);
         let none = BuildOptions { share: 0.0, ..BuildOptions::default() };
         assert_eq!(error(Source::Isosurface(&field, 1.5), none), BuildError::Share { share: 0.0 });

@@ -1,0 +1,64 @@
+//! Where the base mesh must be finer for the surface to fit.
+//!
+//! Horns, legs and thin sheets are small beside the faces of a base mesh that is as coarse as the rest of a surface allows.
+//! What is lost there no attraction finds again. So the surface is measured, and where it does not fit edges collapse for
+//! an eighth of the error at most that they did before, and so on.
+
+use super::fit::{Aim, Measured};
+use crate::mesh::TriangleMesh;
+
+/// How much of the error is left by each round.
+const PART: f64 = 0.125;
+
+/// How often the error of each vertex of the target has been reduced.
+pub(super) struct Care {
+    rounds: Vec<u8>,
+    /// How far around a place the base mesh becomes finer, in edges of the target.
+    rings: usize,
+}
+
+impl Care {
+    /// No care yet, for a base mesh of so many vertices.
+    pub(super) fn none(target: &TriangleMesh, base: usize) -> Self {
+        let share = target.positions.len() as f64 / base.max(1) as f64;
+        Self { rounds: vec![0; target.positions.len()], rings: share.sqrt().ceil() as usize }
+    }
+
+    /// Takes more care where a surface is farther than `limit` cells' edges from the target or the target from it; whether
+    /// there is such a place.
+    pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, limit: f64) -> bool {
+        let mut marked: Vec<bool> = measured.of_target.iter().map(|&distance| distance > limit).collect();
+        let off =
+            measured.of_surface.iter().zip(&measured.closest).filter(|&(&distance, _)| distance > limit);
+        for closest in off.filter_map(|(_, closest)| *closest) {
+            let triangle = aim.mesh.triangles[closest.triangle as usize];
+            triangle.iter().for_each(|&corner| marked[corner as usize] = true);
+        }
+        if !marked.contains(&true) {
+            return false;
+        }
+        for _ in 0..self.rings {
+            grow(aim.mesh, &mut marked);
+        }
+        for (rounds, _) in self.rounds.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
+            *rounds = rounds.saturating_add(1);
+        }
+        true
+    }
+
+    /// What vertices have to begin with, so that those that care is taken of come to `error` the earlier.
+    pub(super) fn errors(&self, error: f64) -> Vec<f32> {
+        let of_rounds = |&rounds: &u8| (error * (1.0 - PART.powi(rounds.into()))) as f32;
+        self.rounds.iter().map(of_rounds).collect()
+    }
+}
+
+/// Marks the vertices of all triangles that have a marked one.
+fn grow(mesh: &TriangleMesh, marked: &mut [bool]) {
+    let before = marked.to_vec();
+    for triangle in &mesh.triangles {
+        if triangle.iter().any(|&corner| before[corner as usize]) {
+            triangle.iter().for_each(|&corner| marked[corner as usize] = true);
+        }
+    }
+}

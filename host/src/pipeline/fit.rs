@@ -1,0 +1,158 @@
+//! How well a surface fits what it was made from, looked at from both sides: what is lost is seen from the target only.
+
+use crate::field::ScalarField;
+use crate::measure::{Bounds, Bvh, Closest};
+use crate::mesh::{Point, PolygonMesh, Sets, TriangleMesh};
+use crate::wrap::{Misfit, ways};
+
+/// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
+pub const MISSED: f64 = 1.0;
+
+/// How far a surface and its target are from each other, in cells' edges.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// The surface from its target.
+    pub forward: Misfit,
+    /// The target from the surface.
+    pub backward: Misfit,
+    /// Components of the target that the surface misses in part or whole, the farthest first.
+    pub missed: Vec<Missed>,
+}
+
+/// A component of the target that the surface misses in part or whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Missed {
+    /// Where the surface is farthest.
+    pub place: Point,
+    /// How far, in cells' edges.
+    pub most: f64,
+    /// Vertices that are farther than [`MISSED`].
+    pub missed: usize,
+    /// All of its vertices.
+    pub vertices: usize,
+    /// Diagonal of the box around it, in cells' edges.
+    pub diagonal: f64,
+}
+
+impl Fit {
+    /// The larger root mean square of both ways.
+    pub const fn rms(&self) -> f64 {
+        self.forward.rms.max(self.backward.rms)
+    }
+
+    /// The largest distance either way.
+    pub const fn most(&self) -> f64 {
+        self.forward.most.max(self.backward.most)
+    }
+}
+
+/// What surfaces are to fit, ready to be measured against.
+pub(super) struct Aim<'a> {
+    pub(super) mesh: &'a TriangleMesh,
+    /// The field of which that is an isosurface, and the isovalue: the triangles themselves are off by a tenth of a cell's
+    /// edge where the field is rough, but not at their vertices.
+    field: Option<(&'a ScalarField, f32)>,
+    pub(super) tree: Bvh,
+    pub(super) cell: f64,
+    /// The component of each vertex, by its first one.
+    components: Vec<u32>,
+}
+
+/// A fit, and how far each vertex is off, in cells' edges.
+pub(super) struct Measured {
+    pub(super) fit: Fit,
+    /// The vertices of the target.
+    pub(super) of_target: Vec<f64>,
+    /// The vertices of the surface, and the middles of its faces.
+    pub(super) of_surface: Vec<f64>,
+    /// The points of the target that are closest to these.
+    pub(super) closest: Vec<Option<Closest>>,
+}
+
+impl<'a> Aim<'a> {
+    pub(super) fn new(mesh: &'a TriangleMesh, field: Option<(&'a ScalarField, f32)>, cell: f64) -> Self {
+        let mut sets = Sets::new(mesh.positions.len());
+        for &[a, b, c] in &mesh.triangles {
+            sets.join(a, b);
+            sets.join(b, c);
+        }
+        let components = (0..mesh.positions.len() as u32).map(|vertex| sets.root(vertex)).collect();
+        Self { mesh, field, tree: Bvh::new(mesh), cell, components }
+    }
+
+    /// Measures a surface at its vertices and the middles of its faces, and at the vertices of the target, each for the area
+    /// around it.
+    ///
+    /// Cost: a closest point for each vertex, on all threads.
+    pub(super) fn measure(&self, surface: &PolygonMesh) -> Measured {
+        let in_cells = |closest: &Option<Closest>| {
+            closest.map_or(f64::INFINITY, |closest| closest.distance_squared.sqrt() / self.cell)
+        };
+        let tree = Bvh::new(&surface.triangulated());
+        let of_target: Vec<f64> = tree.closest_all(&self.mesh.positions).iter().map(in_cells).collect();
+        let fans = fans(surface);
+        let closest = self.tree.closest_all(&fans.positions);
+        let mut of_surface: Vec<f64> = closest.iter().map(in_cells).collect();
+        if let Some((field, isovalue)) = self.field {
+            let ways = ways(field, isovalue.into(), &fans.positions);
+            for (distance, way) in of_surface.iter_mut().zip(ways) {
+                *distance = way.unwrap_or(*distance);
+            }
+        }
+        let fit = Fit {
+            forward: misfit(&fans, &of_surface),
+            backward: misfit(self.mesh, &of_target),
+            missed: self.missed(&of_target),
+        };
+        Measured { fit, of_target, of_surface, closest }
+    }
+
+    fn missed(&self, distances: &[f64]) -> Vec<Missed> {
+        let none = Missed { place: Point::ZERO, most: 0.0, missed: 0, vertices: 0, diagonal: 0.0 };
+        let mut tallies = vec![(none, Bounds::NONE); distances.len()];
+        for ((&component, &place), &distance) in
+            self.components.iter().zip(&self.mesh.positions).zip(distances)
+        {
+            let (tally, bounds) = &mut tallies[component as usize];
+            tally.vertices += 1;
+            tally.missed += usize::from(distance > MISSED);
+            *bounds = bounds.joined(Bounds { low: place, high: place });
+            if distance > tally.most {
+                (tally.most, tally.place) = (distance, place);
+            }
+        }
+        let missed = tallies.into_iter().filter(|(tally, _)| tally.missed > 0);
+        let mut missed: Vec<Missed> = missed
+            .map(|(tally, bounds)| Missed { diagonal: bounds.diagonal() / self.cell, ..tally })
+            .collect();
+        missed.sort_by(|one, other| other.most.total_cmp(&one.most));
+        missed
+    }
+}
+
+/// Root mean square over the area, and the largest, of distances at the vertices.
+fn misfit(mesh: &TriangleMesh, distances: &[f64]) -> Misfit {
+    let (mut squares, mut areas, mut most) = (0.0, 0.0, 0.0_f64);
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
+        let area = (b - a).cross(c - a).length();
+        let of_corners = triangle.map(|corner| distances[corner as usize]);
+        squares += area * of_corners.iter().map(|distance| distance * distance).sum::<f64>() / 3.0;
+        areas += area;
+        most = of_corners.into_iter().fold(most, f64::max);
+    }
+    Misfit { rms: if areas > 0.0 { (squares / areas).sqrt() } else { 0.0 }, most }
+}
+
+/// Every face as the triangles between its sides and its middle, which follows the vertices.
+fn fans(surface: &PolygonMesh) -> TriangleMesh {
+    let mut fans = TriangleMesh { positions: surface.positions.clone(), triangles: Vec::new() };
+    for face in surface.faces().iter() {
+        let middle = fans.positions.len() as u32;
+        let sum: Point = face.iter().map(|&corner| surface.positions[corner as usize]).sum();
+        fans.positions.push(sum / face.len() as f64);
+        let next = face.iter().cycle().skip(1);
+        fans.triangles.extend(face.iter().zip(next).map(|(&from, &to)| [from, to, middle]));
+    }
+    fans
+}

@@ -1,0 +1,102 @@
+//! Base mesh and shrink-wrap, until the surface fits.
+
+use super::care::Care;
+use super::fit::{Aim, Fit, Measured};
+use super::{BuildError, BuildOptions, Stage, target};
+use crate::field::ScalarField;
+use crate::measure::Bvh;
+use crate::mesh::{PolygonMesh, TriangleMesh};
+use crate::simplify::{Constraints, Target, base_mesh};
+use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
+
+/// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
+const RMS: f64 = 0.05;
+/// And a place of it that is at most so far.
+const MOST: f64 = 1.0;
+/// Where it does not fit, the base mesh becomes finer around places farther than this.
+const OFF: f64 = 0.25;
+/// No further round unless the last one left less of the root mean square than this.
+const LEFT: f64 = 0.9;
+
+/// What a surface is made of.
+pub(super) struct Making<'a> {
+    pub(super) contour: &'a TriangleMesh,
+    pub(super) constraints: Constraints,
+    pub(super) field: Option<(&'a ScalarField, f32)>,
+    pub(super) distance: &'a ScalarField,
+    pub(super) options: &'a BuildOptions,
+}
+
+/// A surface, the base mesh under it, and how well it fits.
+pub(super) struct Fitted {
+    pub(super) base: PolygonMesh,
+    pub(super) wrapped: Wrapped,
+    pub(super) fit: Fit,
+}
+
+impl Making<'_> {
+    /// Makes surfaces over finer and finer base meshes until one fits; the best of them.
+    pub(super) fn fitted(mut self, done: &mut dyn FnMut(Stage)) -> Result<Fitted, BuildError> {
+        let aim = Aim::new(self.contour, self.field, self.distance.grid().cell_edge());
+        let (mut fitted, measured, error) =
+            self.made(&aim, target(self.contour, self.options.share)?, done)?;
+        let mut care = Care::none(self.contour, fitted.base.positions.len());
+        let mut measured = measured;
+        // The facets of a coarse mesh need not be told from smooth surfaces.
+        let unit = self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0);
+        for _ in 0..self.options.rounds {
+            let fits = measured.fit.rms() <= RMS * unit && measured.fit.most() <= MOST * unit;
+            if fits || !care.take(&aim, &measured, OFF * unit) {
+                break;
+            }
+            self.constraints.errors = care.errors(error);
+            let next;
+            (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
+            let left = next.fit.rms() / fitted.fit.rms();
+            if left < 1.0 {
+                fitted = next;
+            }
+            if left > LEFT {
+                break;
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// Makes a surface; its measures and the error of its base mesh, too.
+    fn made(
+        &self,
+        aim: &Aim,
+        target: Target,
+        done: &mut dyn FnMut(Stage),
+    ) -> Result<(Fitted, Measured, f64), BuildError> {
+        let base = base_mesh(self.contour, &self.constraints, target)?;
+        done(Stage::Base);
+        let wrapped = self.wrapped(&aim.tree, &base.mesh)?;
+        let surface = &wrapped.surface;
+        let measured = aim.measure(&surface.level(surface.levels));
+        done(Stage::Wrap);
+        Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
+    }
+
+    fn wrapped(&self, tree: &Bvh, base: &PolygonMesh) -> Result<Wrapped, WrapError> {
+        let BuildOptions { levels, tolerance, .. } = *self.options;
+        let options = WrapOptions { levels, tolerance, ..WrapOptions::default() };
+        if let Some((field, isovalue)) = self.field {
+            let target = wrap::Target::Isosurface(field, isovalue.into());
+            return wrap(base, self.distance, &WrapOptions { target, ..options });
+        }
+        let lines = Lines::of_mesh(self.contour, &self.constraints.features);
+        let target = wrap::Target::Triangles(tree);
+        wrap(base, self.distance, &WrapOptions { target, lines: Some(&lines), ..options })
+    }
+}
+
+/// Mean length of the sides of triangles.
+fn mean_edge(mesh: &TriangleMesh) -> f64 {
+    let lengths = mesh.triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
+        a.distance(b) + b.distance(c) + c.distance(a)
+    });
+    lengths.sum::<f64>() / (3 * mesh.triangles.len().max(1)) as f64
+}
