@@ -133,6 +133,7 @@ impl Codec {
     }
 
     /// Codes every resolution into `out`, and undoes the transform as far as that takes.
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn encode_coefficients(
         &mut self,
         mut effort: Effort<'_>,
