@@ -38,12 +38,13 @@ pub(crate) struct Args {
     /// The value of the isosurface of a volume; larger ones are inside
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     iso: Option<f32>,
-    /// Vertices of the base mesh, as a share of those of the contour or the mesh
-    #[arg(long, value_name = "S", default_value_t = 0.02)]
-    share: f64,
-    /// How often the base mesh is made finer where the surface does not fit, at most
-    #[arg(long, value_name = "N", default_value_t = 3)]
-    rounds: u32,
+    /// Vertices of the base mesh, as a share of those of the contour or the mesh [default: 0.02, and more where the
+    /// surface does not fit]
+    #[arg(long, value_name = "S")]
+    share: Option<f64>,
+    /// How often the base mesh is made finer where the surface does not fit, at most [default: 3, or 0 with --share]
+    #[arg(long, value_name = "N")]
+    rounds: Option<u32>,
     /// How often faces are split
     #[arg(long, value_name = "N", default_value_t = 3)]
     levels: u32,
@@ -77,12 +78,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         (Some(field), Some(iso)) => Source::Isosurface(field, iso),
         _ => Source::Mesh(read_mesh(&args.input)?),
     };
+    let usual = BuildOptions::default();
     let options = BuildOptions {
-        share: args.share,
-        rounds: args.rounds,
+        share: args.share.unwrap_or(usual.share),
+        rounds: args.rounds.unwrap_or(if args.share.is_some() { 0 } else { usual.rounds }),
         levels: args.levels,
         tolerance: args.tolerance,
-        cells: args.cells.unwrap_or(BuildOptions::default().cells),
+        cells: args.cells.unwrap_or(usual.cells),
         sharp: args.sharp,
     };
     let mut times = Vec::new();
