@@ -101,6 +101,7 @@ impl Codec {
     /// [`EncodeError::NotBuilt`] if this build lacks the effort; [`EncodeError::OutputFull`] if `out` is too short;
     /// `samples` are what they were then.
     #[expect(clippy::too_many_arguments, reason = "what to code, how, and the memory to do it in")]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     pub fn encode(
         &mut self,
         effort: Effort<'_>,
