@@ -58,7 +58,7 @@ fn same(
 
 /// Whether the storage field says that a codestream is tabled.
 fn is_tabled(bytes: &[u8]) -> bool {
-    bytes.get(3) == Some(&3)
+    matches!(bytes.get(3), Some(3 | 4))
 }
 
 /// The header of a codestream from what it says of itself; how the steps of a lattice shrink, from its byte.
@@ -68,7 +68,7 @@ fn rewrite(header: &Header, bytes: &[u8]) -> Vec<u8> {
         (true, ..) => 0x80,
         (_, true, _) => 1,
         (.., Some(_)) => 2,
-        _ if is_tabled(bytes) => 3,
+        _ if is_tabled(bytes) => bytes[3],
         _ => 0,
     };
     let mut fields = fields(header.sample_type(), plan.levels(), plan.wavelet());

@@ -86,7 +86,9 @@ fn share_of(tables: &Tables, value: i32) -> Share {
 fn write_token(out: &mut [u8], start: usize, share: Share, state: &mut u32) -> usize {
     let due = u32::from(*state >> (u32::BITS - SUM_BITS) >= share.frequency);
     let [low, high, ..] = state.to_le_bytes();
-    if let Some(word) = out.get_mut(start.wrapping_sub(WORD)..).and_then(<[u8]>::first_chunk_mut) {
+    if (due == 1 || !cfg!(feature = "small"))
+        && let Some(word) = out.get_mut(start.wrapping_sub(WORD)..).and_then(<[u8]>::first_chunk_mut)
+    {
         *word = [low, high];
     }
     let carried = *state >> (due << 4);
