@@ -206,6 +206,8 @@ def check_itk(check):
 def check_nrrd(check):
     """pynrrd writes; wavelift writes again; header and samples are the same, through compressed files too."""
     for kind, order, encoding in itertools.product(TYPES, "<>", ["raw", "gzip", "bzip2", "ascii"]):
+        if encoding == "ascii" and kind in ("u8", "i8"):
+            continue  # pynrrd writes integers of 64 bits as text in 17 digits, which do not hold them
         data = noise((7, 6, 5), kind).astype(np.dtype(order + kind))
         header = {
             "space": "right-anterior-superior",
