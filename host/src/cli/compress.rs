@@ -51,8 +51,8 @@ pub(crate) struct How {
     /// makes this volume smallest
     #[arg(long, value_name = "W", default_value = "auto", value_parser = wavelet_choices())]
     pub(crate) wavelet: Choice,
-    /// Levels of the transform, each a resolution of half the samples along each axis: auto for as many as a brick
-    /// allows, or a number
+    /// Levels of the transform, each a resolution of half the samples along each axis: a number, or auto for as many as
+    /// a brick allows, none without a wavelet
     #[arg(long, value_name = "N", default_value = "auto")]
     pub(crate) levels: Levels,
     /// How hard to try: fast, default, or dense, which is smallest. Any wavelift reads any of them

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
+use serde_json::{Value, json};
 use wavelift_host::codec::Container;
 use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header, WriteOptions};
 
@@ -58,21 +58,26 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     drop(bar);
     let format = FileFormat::of_path(&args.output);
     if args.json {
-        return print_json(&json!({
-            "input": args.input.display().to_string(),
-            "output": args.output.display().to_string(),
-            "format": format.name(),
-            "extent": header.extent,
-            "components": header.components,
-            "steps": header.steps,
-            "type": header.element.name(),
-            "sample_bytes": header.bytes(),
-            "not_kept": losses,
-        }));
+        return print_json(&document([&args.input, &args.output], &header, &losses));
     }
     say_losses(&args.output, &losses);
     tell(format_args!("{}: {}, {}", args.output.display(), in_words(&header), format.name()));
     Ok(())
+}
+
+/// What a volume was written as, and what its format has no place for.
+pub(crate) fn document([input, output]: [&Path; 2], header: &Header, losses: &[String]) -> Value {
+    json!({
+        "input": input.display().to_string(),
+        "output": output.display().to_string(),
+        "format": FileFormat::of_path(output).name(),
+        "extent": header.extent,
+        "components": header.components,
+        "steps": header.steps,
+        "type": header.element.name(),
+        "sample_bytes": header.bytes(),
+        "not_kept": losses,
+    })
 }
 
 /// Sends those with compressed files to the commands for them.

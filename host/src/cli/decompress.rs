@@ -12,7 +12,7 @@ use wavelift_host::volume::{self, ByteOrder, Created, ElementType, Fault, FileFo
 use wavelift_kernel::Wavelet;
 
 use super::choice::{parse_memory, parse_threads};
-use super::convert::in_words;
+use super::convert::{self, in_words};
 use super::exit::Failure;
 use super::info::QUICK;
 use super::input::{byte_order_names, refuse_same_file};
@@ -184,17 +184,7 @@ fn tell_of_level(level: u8, step: &Step) {
 
 fn document(args: &Args, written: &Written) -> Value {
     let Written { header, losses, damage, lost } = written;
-    let mut document = json!({
-        "input": args.input.display().to_string(),
-        "output": args.output.display().to_string(),
-        "format": FileFormat::of_path(&args.output).name(),
-        "extent": header.extent,
-        "components": header.components,
-        "steps": header.steps,
-        "type": header.element.name(),
-        "sample_bytes": header.bytes(),
-        "not_kept": losses,
-    });
+    let mut document = convert::document([&args.input, &args.output], header, losses);
     if let Some(damage) = damage {
         document["lost"] = repair::list(lost).into();
         document["lost_steps"] = json!(damage.lost_steps);

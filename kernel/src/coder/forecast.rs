@@ -182,14 +182,8 @@ impl West {
     /// The prediction that the sums before a coefficient amount to.
     #[cfg_attr(not(feature = "small"), inline(always))]
     fn expected(&self, sum: i32) -> Expected {
-        Expected::of_scaled(self.complete(sum))
-    }
-
-    /// The sum with what the row's own last coefficients add.
-    #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn complete(&self, sum: i32) -> i32 {
         let products = self.weights.iter().zip(self.last).map(|(weight, last)| weight.wrapping_mul(last));
-        products.fold(sum, i32::wrapping_add)
+        Expected::of_scaled(products.fold(sum, i32::wrapping_add))
     }
 
     /// The same where coefficients have more than 16 bits.
@@ -202,7 +196,7 @@ impl West {
     }
 
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) const fn push(&mut self, coefficient: i32) {
+    const fn push(&mut self, coefficient: i32) {
         let [a, b, _] = self.last;
         self.last = [coefficient, a, b];
     }

@@ -101,6 +101,7 @@ impl Codec {
     /// [`EncodeError::NotBuilt`] if this build lacks the effort; [`EncodeError::OutputFull`] if `out` is too short;
     /// `samples` are what they were then.
     #[expect(clippy::too_many_arguments, reason = "what to code, how, and the memory to do it in")]
+    // Where the effort is known, what the others take is left out of the program.
     #[cfg_attr(not(feature = "small"), inline(always))]
     pub fn encode(
         &mut self,

@@ -90,6 +90,17 @@ pub(super) struct Narrow {
     starts: [i32; 2],
 }
 
+/// A row, with what it is predicted from.
+struct Row<'a> {
+    /// The weight of W.
+    weight: i32,
+    /// What stands for W of the first sample.
+    west: i32,
+    /// Sums over known rows.
+    sums: &'a [i32],
+    values: &'a mut [i32],
+}
+
 /// Kinds of rows that have weights in a brick of `sides`.
 fn weighted([_, height, depth]: [usize; 3]) -> impl Iterator<Item = Kind> {
     let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
@@ -136,11 +147,8 @@ impl Narrow {
         place: [usize; 2],
         scratch: &mut [i32],
     ) -> Option<()> {
-        let (around, row) = row_at(values, sides, place)?;
-        let sums = scratch.get_mut(..row.len())?;
-        let weight = self.sum_known(&around, sums);
-        let mut west = self.first_west(&around);
-        for (slot, &sum) in row.iter_mut().zip(&*sums) {
+        let Row { weight, mut west, sums, values } = self.row(values, sides, place, scratch)?;
+        for (slot, &sum) in values.iter_mut().zip(sums) {
             let predicted = self.predicted(sum, weight, west);
             west = *slot;
             *slot = rank(west.wrapping_sub(predicted));
@@ -156,15 +164,27 @@ impl Narrow {
         place: [usize; 2],
         scratch: &mut [i32],
     ) -> Option<()> {
-        let (around, row) = row_at(values, sides, place)?;
-        let sums = scratch.get_mut(..row.len())?;
-        let weight = self.sum_known(&around, sums);
-        let mut west = self.first_west(&around);
-        for (slot, &sum) in row.iter_mut().zip(&*sums) {
+        let Row { weight, mut west, sums, values } = self.row(values, sides, place, scratch)?;
+        for (slot, &sum) in values.iter_mut().zip(sums) {
             west = self.predicted(sum, weight, west).wrapping_add(of_rank(*slot));
             *slot = west;
         }
         Some(())
+    }
+
+    /// Row y of plane z, with what it is predicted from.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn row<'a>(
+        &self,
+        values: &'a mut [i32],
+        sides: [usize; 3],
+        place: [usize; 2],
+        scratch: &'a mut [i32],
+    ) -> Option<Row<'a>> {
+        let (around, row) = row_at(values, sides, place)?;
+        let sums = scratch.get_mut(..row.len())?;
+        let weight = self.sum_known(&around, sums);
+        Some(Row { weight, west: self.first_west(&around), sums, values: row })
     }
 
     /// The sums over known rows; returns the weight of W.
