@@ -33,8 +33,8 @@ impl Drop for Buffer {
 /// Buffers that there are: one is filled while another is worked on.
 pub(super) const BUFFERS: u64 = 2;
 
-/// Reads stretches of a step on a thread of its own, in order, into [`BUFFERS`] buffers in turn. The last that comes
-/// may be an error.
+/// Reads stretches of a step on a thread of its own, in order, into [`BUFFERS`] buffers in turn; what is all, at once and
+/// here. The last that comes may be an error.
 pub(super) fn read_ahead<'scope, T: Send + 'scope>(
     scope: &'scope Scope<'scope, '_>,
     supply: &'scope mut Supply<'_>,
@@ -46,8 +46,11 @@ pub(super) fn read_ahead<'scope, T: Send + 'scope>(
         // Both ends are here.
         let _ = home.send(Vec::new());
     }
-    scope.spawn(move || {
-        for (what, stretches) in wanted {
+    let mut wanted = wanted.peekable();
+    let first = wanted.next();
+    let is_all = wanted.peek().is_none();
+    let read = move || {
+        for (what, stretches) in first.into_iter().chain(wanted) {
             let Ok(mut values) = empty.recv() else { return };
             values.clear();
             let read = supply.read(&stretches, &mut values);
@@ -57,6 +60,11 @@ pub(super) fn read_ahead<'scope, T: Send + 'scope>(
                 return;
             }
         }
-    });
+    };
+    if is_all {
+        read();
+    } else {
+        scope.spawn(read);
+    }
     found
 }

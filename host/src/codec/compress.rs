@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -160,7 +161,7 @@ pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), Compress
 struct Compressor<'a> {
     head: Head,
     options: &'a CompressOptions,
-    pool: ThreadPool,
+    pool: Arc<ThreadPool>,
     memory: u64,
 }
 

@@ -8,6 +8,9 @@ use wavelift_kernel::SampleType;
 
 use super::survey::MOST_VALUES;
 
+/// How far the first value may be from the last for a table of all integers between.
+const MOST_RANGE: usize = 1 << 16;
+
 /// The values that occur in a volume, ascending; stored as the first and the steps to each next.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "(i32, Vec<u32>)", into = "(i32, Vec<u32>)")]
@@ -57,11 +60,36 @@ impl Values {
     }
 
     /// Replaces samples by the numbers of their values; `None` for a sample that is no value.
+    ///
+    /// Cost: a look into a table for each sample, where the values are within [`MOST_RANGE`] and the samples worth setting
+    /// it up; else a search.
     pub(super) fn pack(&self, samples: &mut [i32]) -> Option<()> {
-        for sample in samples {
-            *sample = self.table.binary_search(sample).ok()? as i32;
+        if let Some(numbers) = self.numbers(samples.len()) {
+            let first = *self.table.first()?;
+            for sample in samples {
+                let number = *numbers.get(sample.wrapping_sub(first).cast_unsigned() as usize)?;
+                *sample = number.checked_sub(1)?.into();
+            }
+        } else {
+            for sample in samples {
+                *sample = self.table.binary_search(sample).ok()? as i32;
+            }
         }
         Some(())
+    }
+
+    /// For each integer from the first value to the last one more than its number, or 0 where it is no value.
+    fn numbers(&self, samples: usize) -> Option<Vec<u16>> {
+        let (first, last) = (*self.table.first()?, *self.table.last()?);
+        let range = usize::try_from(i64::from(last) - i64::from(first)).ok()?;
+        if range > MOST_RANGE.min(samples) || self.count() > usize::from(u16::MAX) {
+            return None;
+        }
+        let mut numbers = vec![0; range + 1];
+        for (number, value) in (1..).zip(&self.table) {
+            numbers[(value - first) as usize] = number;
+        }
+        Some(numbers)
     }
 
     /// Undoes [`Values::pack`]; `None` for a number without a value.
@@ -92,6 +120,21 @@ mod tests {
             (None, None, None)
         );
         assert_eq!(Values::of(vec![3, 4, 5]), None);
+    }
+
+    #[test]
+    fn tables_and_searches_find_the_same() {
+        let values = Values::of((-3000..3000).filter(|value| value % 7 != 3).collect()).unwrap();
+        for samples in [vec![-3000, 2998, 5], (-3000..3000).filter(|value| value % 7 != 3).rev().collect()] {
+            let mut packed = samples.clone();
+            values.pack(&mut packed).unwrap();
+            values.unpack(&mut packed).unwrap();
+            assert_eq!(packed, samples);
+        }
+        for wrong in [-3001, 3000, 3, i32::MIN, i32::MAX] {
+            assert_eq!(values.pack(&mut [wrong; 8000]), None, "{wrong}");
+            assert_eq!(values.pack(&mut [wrong]), None, "{wrong}");
+        }
     }
 
     #[test]

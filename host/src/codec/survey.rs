@@ -24,20 +24,23 @@ pub(super) struct Survey {
 /// The values that occur, as the first plane holds them.
 #[derive(Clone, Debug)]
 enum Distinct {
-    /// Of at most 16 bits: which there are, from the smallest on.
-    Marked(Vec<bool>),
+    /// Of at most 16 bits: which there are, from the smallest that there may be on.
+    Marked {
+        smallest: i32,
+        marks: Vec<bool>,
+    },
     Collected(BTreeSet<i32>),
     TooMany,
 }
-
-/// The number of value 0 among those that are marked.
-const OFFSET: i32 = 1 << 15;
 
 impl Survey {
     /// Of no value yet, of a volume of `total`.
     pub(super) fn new(element: ElementType, total: u64) -> Self {
         let distinct = match (planes::sample_types(element), element.bytes()) {
-            ([_], 1 | 2) => Distinct::Marked(vec![false; 3 << 15]),
+            ([_], bytes @ (1 | 2)) => {
+                let smallest = if element.is_signed_integer() { -1 << (8 * bytes - 1) } else { 0 };
+                Distinct::Marked { smallest, marks: vec![false; 1 << (8 * bytes)] }
+            }
             ([_], _) => Distinct::Collected(BTreeSet::new()),
             _ => Distinct::TooMany,
         };
@@ -52,7 +55,9 @@ impl Survey {
     /// A survey of values that follow these: what is settled already is left out.
     pub(super) fn next(&self) -> Self {
         let distinct = match &self.distinct {
-            Distinct::Marked(marks) => Distinct::Marked(vec![false; marks.len()]),
+            Distinct::Marked { smallest, marks } => {
+                Distinct::Marked { smallest: *smallest, marks: vec![false; marks.len()] }
+            }
             Distinct::Collected(_) => Distinct::Collected(BTreeSet::new()),
             Distinct::TooMany => Distinct::TooMany,
         };
@@ -127,8 +132,8 @@ impl Distinct {
         let mut samples = vec![0; bytes.len() / element.bytes()];
         planes::split(element, 0, bytes, &mut samples);
         match self {
-            Self::Marked(marks) => {
-                samples.iter().for_each(|&sample| marks[(sample + OFFSET) as usize] = true)
+            Self::Marked { smallest, marks } => {
+                samples.iter().for_each(|sample| marks[(sample - *smallest) as usize] = true);
             }
             Self::Collected(values) => {
                 samples.sort_unstable();
@@ -142,7 +147,7 @@ impl Distinct {
 
     fn append(&mut self, later: &Self) {
         match (&mut *self, later) {
-            (Self::Marked(marks), Self::Marked(later)) => {
+            (Self::Marked { marks, .. }, Self::Marked { marks: later, .. }) => {
                 marks.iter_mut().zip(later).for_each(|(mark, later)| *mark |= later);
             }
             (Self::Collected(values), Self::Collected(later)) => values.extend(later),
@@ -159,8 +164,8 @@ impl Distinct {
 
     fn ascending(&self) -> Option<Vec<i32>> {
         match self {
-            Self::Marked(marks) => {
-                let values = (-OFFSET..).zip(marks).filter(|&(_, &mark)| mark);
+            Self::Marked { smallest, marks } => {
+                let values = (*smallest..).zip(marks).filter(|&(_, &mark)| mark);
                 Some(values.map(|(value, _)| value).collect())
             }
             Self::Collected(values) => Some(values.iter().copied().collect()),

@@ -23,7 +23,7 @@ struct Share {
 }
 
 /// The part that each form is tried on.
-const OF_FORMS: Share = Share { one_in: 8, fewest: 1 << 15, pieces: 4, most_pieces: 8 };
+const OF_FORMS: Share = Share { one_in: 16, fewest: 1 << 15, pieces: 2, most_pieces: 8 };
 
 /// As [`OF_FORMS`], where there are lattices: a lattice learns long, and would seem worse in small pieces.
 const OF_LATTICES: Share = Share { one_in: 4, fewest: 1 << 18, pieces: 1, most_pieces: 4 };
@@ -58,7 +58,7 @@ impl Trial<'_> {
     /// the transforms. `default` and `dense` are tried as the effort below, unless samples may move, as a lattice is
     /// their rival, or there is a transform.
     ///
-    /// Codes an eighth of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
+    /// Codes a 16th of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
     /// volumes more.
     pub(super) fn best(&self, candidates: &Candidates, cut: Cut<'_>) -> Result<Coding, CompressError> {
         let transforms: Vec<Transform> = candidates.transforms().collect();

@@ -180,9 +180,8 @@ impl Training {
             for ((weighted, &difference), factor) in weighted.iter_mut().zip(row).zip(factors) {
                 *weighted = low_half(i32::from(difference).wrapping_mul(factor).wrapping_add(128) >> 8);
             }
-            for (other, entry) in self.neighbours.iter().take(r.wrapping_add(1)).zip(entries.by_ref()) {
-                *entry = entry.wrapping_add(dot(&weighted, other).into());
-            }
+            let others = self.neighbours.get(..r.wrapping_add(1)).unwrap_or(&[]);
+            add_dots(&weighted, others, &mut entries);
             *right = right.wrapping_add(dot(&weighted, &self.targets).into());
         }
     }
@@ -312,6 +311,17 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
             .iter_mut()
             .zip(pairs)
             .for_each(|(slot, (value, reference))| *slot = limited(value.wrapping_sub(*reference)));
+    }
+}
+
+/// Adds the sums of products of a row with others to the next of `sums`.
+#[cfg_attr(not(feature = "small"), inline(never))]
+fn add_dots<'a>(row: &[i16; LANES], others: &[[i16; LANES]], sums: &mut impl Iterator<Item = &'a mut i64>) {
+    for (other, sum) in others.iter().zip(sums) {
+        // If the row were known to be the same, its elements would be widened once for all others, and pairs not be
+        // multiplied and added at once, which is quicker.
+        let row = if cfg!(feature = "small") { row } else { core::hint::black_box(row) };
+        *sum = sum.wrapping_add(dot(row, other).into());
     }
 }
 

@@ -14,6 +14,7 @@ mod class;
 mod narrow;
 mod neighbours;
 mod numerals;
+mod own;
 mod rank;
 mod tables;
 mod token;

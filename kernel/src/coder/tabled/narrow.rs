@@ -2,12 +2,12 @@
 
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::{Around, Kind, add_row, add_three, five, row_at};
-use super::rank::{of_rank, rank};
+use super::own::OwnRow;
 use super::train::Lessons;
 use super::{MOST_SPAN_BITS, Span};
 
 /// Fraction bits of weights.
-pub(super) const WEIGHT_BITS: u32 = 8;
+pub(super) const WEIGHT_BITS: u32 = crate::coder::forecast::FRACTION_BITS;
 
 /// Bits of a weight in the codestream, with its sign.
 const CODED_BITS: u32 = 12;
@@ -90,17 +90,6 @@ pub(super) struct Narrow {
     starts: [i32; 2],
 }
 
-/// A row, with what it is predicted from.
-struct Row<'a> {
-    /// The weight of W.
-    weight: i32,
-    /// What stands for W of the first sample.
-    west: i32,
-    /// Sums over known rows.
-    sums: &'a [i32],
-    values: &'a mut [i32],
-}
-
 /// Kinds of rows that have weights in a brick of `sides`.
 fn weighted([_, height, depth]: [usize; 3]) -> impl Iterator<Item = Kind> {
     let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
@@ -147,12 +136,8 @@ impl Narrow {
         place: [usize; 2],
         scratch: &mut [i32],
     ) -> Option<()> {
-        let Row { weight, mut west, sums, values } = self.row(values, sides, place, scratch)?;
-        for (slot, &sum) in values.iter_mut().zip(sums) {
-            let predicted = self.predicted(sum, weight, west);
-            west = *slot;
-            *slot = rank(west.wrapping_sub(predicted));
-        }
+        let (own, row, sums) = self.row(values, sides, place, scratch)?;
+        own.forward(row, sums);
         Some(())
     }
 
@@ -164,15 +149,12 @@ impl Narrow {
         place: [usize; 2],
         scratch: &mut [i32],
     ) -> Option<()> {
-        let Row { weight, mut west, sums, values } = self.row(values, sides, place, scratch)?;
-        for (slot, &sum) in values.iter_mut().zip(sums) {
-            west = self.predicted(sum, weight, west).wrapping_add(of_rank(*slot));
-            *slot = west;
-        }
+        let (own, row, sums) = self.row(values, sides, place, scratch)?;
+        own.inverse(row, sums);
         Some(())
     }
 
-    /// Row y of plane z, with what it is predicted from.
+    /// What is known of row y of plane z, the row itself, and its sums over known rows.
     #[cfg_attr(not(feature = "small"), inline(always))]
     fn row<'a>(
         &self,
@@ -180,11 +162,12 @@ impl Narrow {
         sides: [usize; 3],
         place: [usize; 2],
         scratch: &'a mut [i32],
-    ) -> Option<Row<'a>> {
+    ) -> Option<(OwnRow<1>, &'a mut [i32], &'a mut [i32])> {
         let (around, row) = row_at(values, sides, place)?;
         let sums = scratch.get_mut(..row.len())?;
-        let weight = self.sum_known(&around, sums);
-        Some(Row { weight, west: self.first_west(&around), sums, values: row })
+        let weights = [self.sum_known(&around, sums)];
+        let reference = *around.north.first().unwrap_or(&self.span.lowest);
+        Some((OwnRow { weights, reference, span: self.span }, row, sums))
     }
 
     /// The sums over known rows; returns the weight of W.
@@ -211,19 +194,6 @@ impl Narrow {
                 brick.west
             }
         }
-    }
-
-    /// What stands for W of the first sample.
-    #[cfg_attr(not(feature = "small"), inline(always))]
-    fn first_west(&self, around: &Around<'_>) -> i32 {
-        around.north.first().copied().unwrap_or(self.span.lowest)
-    }
-
-    #[cfg_attr(not(feature = "small"), inline(always))]
-    fn predicted(&self, sum: i32, weight: i32, west: i32) -> i32 {
-        let Span { lowest, span } = self.span;
-        let predicted = sum.wrapping_add(weight.wrapping_mul(west)) >> WEIGHT_BITS;
-        predicted.max(0).min(span).wrapping_add(lowest)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Span;
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::split_at_row;
-use super::rank::{of_rank, rank};
+use super::own::OwnRow;
 use crate::coder::forecast::{FRACTION_BITS, Weights, add, pad};
 use crate::coder::taps::{Planes, REACH, RowTaps, SAMPLES, Taps, WEST};
 use crate::coder::{Training, low_half};
@@ -26,13 +26,6 @@ const HALF: i32 = 1 << (FRACTION_BITS - 1);
 
 /// Bits that samples may span.
 pub(super) const MOST_SPAN_BITS: u32 = 16;
-
-/// What a row's own samples add.
-struct West {
-    weights: [i32; WEST],
-    /// What stands before its first sample.
-    reference: i32,
-}
 
 /// The weights for the first plane and for all others.
 #[derive(Clone, Debug)]
@@ -108,37 +101,20 @@ impl Wide {
     /// Makes ranks of residuals of the samples of row y of plane z.
     pub(super) fn forward(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
         let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
-        let (west, sums, padded) = self.sum_known(before, place, row.len(), scratch)?;
-        let own = padded.get_mut(..row.len().wrapping_add(WEST))?;
-        let (ahead, rest) = own.split_at_mut_checked(WEST)?;
-        ahead.fill(west.reference);
-        rest.copy_from_slice(row);
-        let [a, b, c] = west.weights;
-        for ((slot, &sum), &[third, second, first]) in row.iter_mut().zip(sums).zip(own.array_windows()) {
-            let sum = sum.wrapping_add(a.wrapping_mul(first)).wrapping_add(b.wrapping_mul(second));
-            let predicted = self.predicted(sum.wrapping_add(c.wrapping_mul(third)));
-            *slot = rank(slot.wrapping_sub(predicted));
-        }
+        let (own, sums) = self.sum_known(before, place, row.len(), scratch)?;
+        own.forward(row, sums);
         Some(())
     }
 
     /// Makes samples of the ranks of row y of plane z.
     pub(super) fn inverse(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
         let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
-        let (west, sums, _) = self.sum_known(before, place, row.len(), scratch)?;
-        let [a, b, c] = west.weights;
-        let [mut first, mut second, mut third] = [west.reference; WEST];
-        for (slot, &sum) in row.iter_mut().zip(sums) {
-            let sum = sum.wrapping_add(b.wrapping_mul(second)).wrapping_add(c.wrapping_mul(third));
-            let predicted = self.predicted(sum.wrapping_add(a.wrapping_mul(first)));
-            (second, third) = (first, second);
-            first = predicted.wrapping_add(of_rank(*slot));
-            *slot = first;
-        }
+        let (own, sums) = self.sum_known(before, place, row.len(), scratch)?;
+        own.inverse(row, sums);
         Some(())
     }
 
-    /// Sums over known rows, what completes them, and memory of a row with [`REACH`] more at either end.
+    /// What completes the sums over known rows, and these.
     #[inline(never)]
     fn sum_known<'a>(
         &self,
@@ -146,13 +122,13 @@ impl Wide {
         place: [usize; 2],
         width: usize,
         scratch: &'a mut [i32],
-    ) -> Option<(West, &'a [i32], &'a mut [i32])> {
+    ) -> Option<(OwnRow<WEST>, &'a mut [i32])> {
         let (padded, rest) = scratch.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
         let sums = rest.get_mut(..width)?;
         sums.fill(HALF.wrapping_sub(self.span.lowest << FRACTION_BITS));
         let Weights([second, third, rest @ ..]) = self.weights.get(usize::from(place[1] > 0))?;
         let [second, third] = [*second, *third].map(i32::from);
-        let mut total = second.wrapping_add(third);
+        let mut first = (1_i32 << FRACTION_BITS).wrapping_sub(second).wrapping_sub(third);
         let (mut rest, mut nearest) = (&rest[..], None);
         for taps in SAMPLES.iter().filter(|taps| self.has(taps, place)) {
             let (weights, after) = rest.split_at_checked(taps.len())?;
@@ -160,13 +136,12 @@ impl Wide {
             let Some(row) = self.known(taps, before, place) else { continue };
             pad(row, width, padded, |sample| sample);
             add(sums, padded, taps.reach, weights);
-            total = weights.iter().fold(total, |sum: i32, &weight| sum.wrapping_add(weight.into()));
+            first = weights.iter().fold(first, |first, &weight| first.wrapping_sub(weight.into()));
             // The nearest row comes first: N, or U in the first row of a plane.
             nearest = nearest.or(row.first());
         }
-        let first = (1_i32 << FRACTION_BITS).wrapping_sub(total);
         let reference = nearest.copied().unwrap_or(self.span.lowest);
-        Some((West { weights: [first, second, third], reference }, sums, padded))
+        Some((OwnRow { weights: [first, second, third], reference, span: self.span }, sums))
     }
 
     /// Whether rows have weights in the plane.
@@ -186,12 +161,6 @@ impl Wide {
             z.saturating_add_signed(taps.deep).wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
         before.get(start..start.wrapping_add(width))
     }
-
-    #[cfg_attr(not(feature = "small"), inline(always))]
-    fn predicted(&self, sum: i32) -> i32 {
-        let Span { lowest, span } = self.span;
-        (sum >> FRACTION_BITS).max(0).min(span).wrapping_add(lowest)
-    }
 }
 
 /// Whether no sum of products overflows.
@@ -203,6 +172,7 @@ fn are_small(weights: &Weights) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::coder::tabled::rank::rank;
 
     fn wide(axes: [u32; 3], lowest: i32, first: &[i16], others: &[i16]) -> Wide {
         let mut wide = Wide::new(Extent::new(axes).unwrap(), Span { lowest, span: 100 }).unwrap();
