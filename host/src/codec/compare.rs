@@ -1,6 +1,5 @@
 //! A container beside its original, brick by brick.
 
-use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -9,7 +8,7 @@ use super::brick::Worker;
 use super::content::Place;
 use super::supply::{Block, Layout, Supply};
 use super::units::{Unit, counts, units};
-use super::{Brick, CompressError, Container, ContainerError, DecompressOptions, Progress, memory, pool};
+use super::{Brick, CompressError, Container, ContainerError, DecompressOptions, Pool, Progress, memory};
 use crate::bound::Deviation;
 use crate::progress::tell;
 use crate::volume::Source;
@@ -50,7 +49,7 @@ impl Container {
         damaged: &(dyn Fn(ContainerError) + Sync),
     ) -> Result<Comparison, CompressError> {
         super::compress::refuse_others(self.head(), original.header())?;
-        let pool = pool(options.threads.map(NonZeroUsize::get))?;
+        let pool = Pool::new(options.threads)?;
         let most = options.memory.unwrap_or_else(|| memory::available() / 2) / 2;
         let most = most - original.hold_at_most(most / 2).min(most);
         let note = |result: Result<(), ContainerError>| match result {

@@ -2,9 +2,7 @@
 
 use std::io::Write;
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 
-use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use super::ahead::{BUFFERS, read_ahead};
@@ -15,7 +13,7 @@ use super::supply::{Block, Layout, Supply};
 use super::survey::Survey;
 use super::trial::Trial;
 use super::writer::Writer;
-use super::{Brick, Choice, CompressError, Container, Effort, Form, Grid, Progress, memory, pool};
+use super::{Brick, Choice, CompressError, Container, Effort, Form, Grid, Pool, Progress, memory};
 use crate::bound::{Bound, Tolerance};
 use crate::progress::tell;
 use crate::volume::{ElementType, Header, InMemory, Source, Volume, sample_bytes};
@@ -161,13 +159,13 @@ pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), Compress
 struct Compressor<'a> {
     head: Head,
     options: &'a CompressOptions,
-    pool: Arc<ThreadPool>,
+    pool: Pool,
     memory: u64,
 }
 
 impl<'a> Compressor<'a> {
     fn new(head: Head, options: &'a CompressOptions) -> Result<Self, CompressError> {
-        let pool = pool(options.threads.map(NonZeroUsize::get))?;
+        let pool = Pool::new(options.threads)?;
         let memory = options.memory.unwrap_or_else(|| memory::available() / 2);
         Ok(Self { head, options, pool, memory })
     }

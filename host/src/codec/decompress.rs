@@ -6,7 +6,7 @@ use std::sync::mpsc::channel;
 use super::ahead::BUFFERS;
 use super::fill::Holes;
 use super::region::Wanted;
-use super::{Container, ContainerError, Fill, Lost, Part, Progress, memory, pool};
+use super::{Container, ContainerError, Fill, Lost, Part, Pool, Progress, memory};
 use crate::volume::Sink;
 
 /// How a part is decompressed.
@@ -63,7 +63,7 @@ impl Container {
         watch: (Progress<'_>, Option<&Holes>),
     ) -> Result<(), ContainerError> {
         let wanted = self.check(part)?;
-        let pool = pool(options.threads.map(NonZeroUsize::get))?;
+        let pool = Pool::new(options.threads)?;
         let memory = options.memory.unwrap_or_else(|| memory::available() / 2);
         for step in wanted.steps.clone() {
             let parts = self.slabs(step, &wanted, memory, pool.current_num_threads() as u64)?;

@@ -23,6 +23,7 @@ mod memory;
 mod packing;
 mod patched;
 pub(crate) mod planes;
+mod pool;
 mod read;
 mod read_at;
 mod record;
@@ -64,26 +65,5 @@ pub use salvage::{Damage, Lost, Salvaged};
 pub use scan::{Content, Found, Scanner};
 pub use statistics::Statistics;
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
-
-use rayon::{ThreadPool, ThreadPoolBuilder};
-
+use self::pool::Pool;
 use crate::progress::Progress;
-
-/// Threads that are started at most, however many are asked for.
-const MOST_THREADS: usize = 256;
-
-/// The threads to work on: as many as asked for, or one per core. They wait from call to call: starting some takes
-/// longer than to code a small volume.
-fn pool(threads: Option<usize>) -> Result<Arc<ThreadPool>, std::io::Error> {
-    static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
-    let threads = threads.unwrap_or(0).min(MOST_THREADS);
-    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(pool) = pools.get(&threads) {
-        return Ok(Arc::clone(pool));
-    }
-    let built = ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = built.map_err(|error| std::io::Error::other(format!("cannot start threads: {error}")))?;
-    Ok(Arc::clone(pools.entry(threads).or_insert_with(|| Arc::new(pool))))
-}

@@ -11,7 +11,7 @@ use super::content::Place;
 use super::fill::Holes;
 use super::grid::per_axis;
 use super::region::Wanted;
-use super::{Brick, Container, ContainerError, Part, Progress, Statistics, pool};
+use super::{Brick, Container, ContainerError, Part, Pool, Progress, Statistics};
 use crate::progress::tell;
 use crate::volume::{FileFormat, Header, Metadata, Volume};
 
@@ -95,7 +95,7 @@ impl Container {
             return Err(ContainerError::BufferLength { expected, actual });
         }
         let step_bytes = out.len() / header.steps.max(1) as usize;
-        pool(threads.map(NonZeroUsize::get))?.install(|| {
+        Pool::new(threads)?.install(|| {
             let steps = wanted.steps.clone().zip(out.chunks_mut(step_bytes.max(1)));
             steps.into_iter().try_for_each(|(step, out)| self.fill(step, &wanted, out, (progress, None)))
         })
@@ -150,7 +150,7 @@ impl Container {
         progress: Progress<'_>,
         damaged: &(dyn Fn(ContainerError) + Sync),
     ) -> Result<(), ContainerError> {
-        let pool = pool(threads.map(NonZeroUsize::get))?;
+        let pool = Pool::new(threads)?;
         let note = |result: Result<(), ContainerError>| match result {
             Err(ContainerError::Stopped(stopped)) => Err(stopped),
             Err(error) => {

@@ -10,7 +10,7 @@ use super::content::{BrickLabel, Head, Place, Step};
 use super::decode::decode_found;
 use super::salvage::{Damage, Lost, Salvaged};
 use super::writer::Writer;
-use super::{Container, Content, Found, ReadAt, Scanner, Statistics, pool};
+use super::{Container, Content, Found, Pool, ReadAt, Scanner, Statistics};
 use crate::progress::{Progress, Stopped, tell};
 use crate::volume::Fault;
 
@@ -80,7 +80,7 @@ pub fn repair(
     threads: Option<NonZeroUsize>,
     progress: Progress<'_>,
 ) -> Result<Repaired, RepairError> {
-    let pool = pool(threads.map(NonZeroUsize::get)).map_err(RepairError::Read)?;
+    let pool = Pool::new(threads).map_err(RepairError::Read)?;
     let Salvaged { container, mut damage } = Container::salvage(source)?;
     let head = container.head().clone();
     let metadata = container.metadata().map_err(|_| RepairError::NoHead)?;
