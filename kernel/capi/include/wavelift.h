@@ -293,7 +293,7 @@ typedef struct wavelift_step {
     wavelift_status status;
 } wavelift_step;
 
-#define WAVELIFT_ROW_CODEC_WORDS 706
+#define WAVELIFT_ROW_CODEC_WORDS 791
 #define WAVELIFT_ROW_ENCODER_WORDS 160
 #define WAVELIFT_ROW_DECODER_WORDS 240
 
