@@ -193,6 +193,52 @@ class Check:
         if jpeg:
             self.refuse(jpeg, "j.nrrd", "JPEG 2000")
 
+    def dicom_written(self):
+        """What is written, read by pydicom: a file a slice, and one of all frames."""
+        random = np.random.default_rng(11)
+        for kind in [np.uint8, np.int16, np.uint16, np.int32]:
+            volume = random.integers(0, 250, (7, 5, 9)).astype(kind)
+            name = np.dtype(kind).name
+            np.save("w.npy", volume)
+            self.convert("w.npy", "w.nrrd")
+            text = pathlib.Path("w.nrrd").read_bytes().split(b"\n\n", 1)
+            lines = [
+                b"space: left-posterior-superior", b"space directions: (0,0.5,0) (0.75,0,0) (0,0,-3)",
+                b"space origin: (1,2,3)", b"dicom.0008,0016:=1.2.840.10008.5.1.4.1.1.2", b"dicom.0008,0060:=CT",
+                b"dicom.0010,0010:=Doe^Jane", b"dicom.0020,000d:=1.2.3", b"dicom.0028,0120 US:=7",
+                b"dicom.0028,1052:=-1024", b"dicom.0028,1053:=2",
+            ]
+            head = [line for line in text[0].split(b"\n") if not line.startswith((b"space", b"units"))]
+            pathlib.Path("w.nrrd").write_bytes(b"\n".join(head + lines) + b"\n\n" + text[1])
+            folder = pathlib.Path(f"written{name}")
+            self.convert("w.nrrd", folder / "s%03d.dcm")
+            files = [pydicom.dcmread(file) for file in sorted(folder.iterdir())]
+            same(f"slices of {name}", np.stack([file.pixel_array for file in files]), volume)
+            for z, file in enumerate(files):
+                found = (file.SOPClassUID, str(file.PatientName), file.StudyInstanceUID, file.InstanceNumber,
+                         list(file.ImagePositionPatient), list(file.ImageOrientationPatient), list(file.PixelSpacing),
+                         file.PixelPaddingValue, file.RescaleIntercept, file.RescaleSlope, file.SOPInstanceUID)
+                expected = ("1.2.840.10008.5.1.4.1.1.2", "Doe^Jane", "1.2.3", z + 1, [1, 2, 3 - 3 * z],
+                            [0, 1, 0, 1, 0, 0], [0.75, 0.5], 7, -1024, 2, file.file_meta.MediaStorageSOPInstanceUID)
+                if found != expected:
+                    raise SystemExit(f"{name}, slice {z}: {found} in place of {expected}")
+            if len({file.SeriesInstanceUID for file in files}) != 1 or len({file.SOPInstanceUID for file in files}) != 7:
+                raise SystemExit(f"{name}: identifiers of slices are not as they should be")
+            self.convert("w.nrrd", f"{name}.dcm")
+            file = pydicom.dcmread(f"{name}.dcm")
+            same(f"frames of {name}", file.pixel_array, volume)
+            last = file.PerFrameFunctionalGroupsSequence[6].PlanePositionSequence[0].ImagePositionPatient
+            spacing = file.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence[0].PixelSpacing
+            if (list(last), list(spacing)) != ([1, 2, -15], [0.75, 0.5]):
+                raise SystemExit(f"{name}.dcm: the last frame is at {last}, with {spacing}")
+            for written in [folder, f"{name}.dcm"]:
+                self.convert(written, "back.npy")
+                same(f"{written}, again", np.load("back.npy"), volume)
+        colours = random.integers(0, 256, (4, 6, 3)).astype(np.uint8)
+        Image.fromarray(colours).save("c.png")
+        self.convert("c.png", "c.dcm")
+        same("colours", pydicom.dcmread("c.dcm").pixel_array, colours)
+
     def dicom_series(self):
         """A folder, sorted by position, in every syntax; several series; a slice that is missing."""
         random = np.random.default_rng(5)
@@ -251,6 +297,7 @@ def main():
     check.tiff_slices(random.integers(0, 65536, (11, 6, 7), dtype=np.uint16))
     check.dicom_files()
     check.dicom_series()
+    check.dicom_written()
     print(f"images: {check.count} conversions right")
 
 

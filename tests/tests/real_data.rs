@@ -6,10 +6,16 @@
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
+use conformance::effort::Effort;
+use conformance::lent;
+use conformance::streams::{Pieces, encode};
 use wavelift_host::codec::{self, Choice, CompressOptions, Container, Part};
 use wavelift_host::progress::ignore;
-use wavelift_host::volume::{self, ByteOrder, FileFormat, Metadata, RankedExtent, RawLayout, Volume};
-use wavelift_kernel::Wavelet;
+use wavelift_host::volume::{
+    self, ByteOrder, ElementType, FileFormat, Metadata, RankedExtent, RawLayout, Volume,
+};
+use wavelift_kernel::stream::RowPlan;
+use wavelift_kernel::{Codec, Extent, Plan, SampleType, Wavelet};
 
 /// Most samples along each axis that are taken from the middle of a volume, and of a slice.
 const MOST: [u64; 2] = [96, 512];
@@ -99,4 +105,58 @@ fn the_middle_is_cut_out_sample_by_sample() {
     assert_eq!(cut.samples.len(), 4 * 96 * 96 * 96);
     assert_eq!(cut.samples[..4], 102_u32.to_le_bytes());
     assert_eq!(cut.samples[cut.samples.len() - 4..], (97 + 100 * (96 + 98 * 95_u32)).to_le_bytes());
+}
+
+/// The slice in the middle of a volume of integers of up to 16 bits.
+fn middle_slice(volume: &Volume) -> Option<(SampleType, [u32; 2], Vec<i32>)> {
+    let sample_type = match volume.element {
+        ElementType::U8 => SampleType::U8,
+        ElementType::U16 => SampleType::U16,
+        ElementType::I16 => SampleType::I16,
+        _ => return None,
+    };
+    let bytes = volume.element.bytes();
+    let [x, y, z] = volume.extent;
+    let slice = (x * y) as usize * bytes;
+    let samples =
+        volume.samples[(z / 2) as usize * slice..][..slice].chunks_exact(bytes).map(|sample| {
+            match (sample, sample_type) {
+                (&[low], _) => i32::from(low),
+                (&[low, high], SampleType::I16) => i32::from(i16::from_le_bytes([low, high])),
+                (sample, _) => i32::from(u16::from_le_bytes([sample[0], sample[1]])),
+            }
+        });
+    Some((sample_type, [x as u32, y as u32], samples.collect()))
+}
+
+/// As the codec makes the whole slice without training, within 3 in 100: under every wavelet.
+#[test]
+fn slices_that_come_row_by_row_take_no_more() {
+    let folder = folder();
+    let Ok(manifest) = fs::read_to_string(folder.join("MANIFEST.tsv")) else {
+        println!("skipped: no collection at {}", folder.display());
+        return;
+    };
+    let mut grown = Vec::new();
+    for (name, layout) in files(&manifest) {
+        let whole = volume::read(&folder.join(&name), Some(&layout)).expect("it can be read");
+        let Some((sample_type, [width, height], samples)) = middle_slice(&whole) else { continue };
+        for wavelet in Wavelet::ALL {
+            let extent = Extent::slice(width, height).expect("an extent");
+            let plan = Plan::new(wavelet, extent, 3).expect("levels that it has");
+            let whole = lent::encode(&mut { Codec::NEW }, Effort::Fast, &plan, sample_type, &samples).len();
+            let plan = RowPlan::new(wavelet, width, 3, sample_type).expect("a plan of rows");
+            let more = encode(&plan, &samples, Pieces::Whole).len() as f64 / whole as f64 - 1.0;
+            // A header and a strip's end weigh as much in a few bytes.
+            assert!(more <= 0.03 || whole < 1000, "{name}, {wavelet}: {more}");
+            grown.push((more, format!("{name}, {wavelet}")));
+        }
+    }
+    grown.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    println!(
+        "{} slices: {:?} in the median, at most {:?}",
+        grown.len(),
+        grown[grown.len() / 2],
+        grown.last()
+    );
 }

@@ -44,7 +44,7 @@ fn slabs_are_codestreams() {
     let plan = plan_of([9, 7, 4], 2);
     let samples = waves([9, 7, 10]);
     let stream = encode(&plan, None, &samples, 100);
-    assert_eq!(stream[..9], [0x77, 0x53, 1, 1, 0x43, 2, 9, 7, 4]);
+    assert_eq!(stream[..9], [0x77, 0x53, 2, 1, 0x43, 2, 9, 7, 4]);
     let mut rest = &stream[9..];
     for slices in [4, 4, 2] {
         let (low, high) = (usize::from(rest[0] & 0x7F), usize::from(rest[1]));

@@ -22,9 +22,9 @@ const FOUND: &str = "tests/fuzz/target/found";
 /// Each target, and the folders with the inputs that it starts from, beside its own in `tests/fuzz/corpus`.
 const TARGETS: [(&str, &[&str]); 5] = [
     ("decode", &["vectors/v2", "vectors/handmade", "vectors/reject"]),
-    ("header", &["vectors/v2", "vectors/handmade", "vectors/reject"]),
+    ("header", &["vectors/v2", "vectors/streams", "vectors/handmade", "vectors/reject"]),
     ("roundtrip", &["vectors/v2"]),
-    ("step", &["vectors/v2"]),
+    ("step", &["vectors/v2", "vectors/streams"]),
     ("container", &[]),
 ];
 

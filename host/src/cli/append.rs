@@ -6,7 +6,7 @@ use wavelift_host::codec::{self, CompressOptions, Container, Label};
 
 use super::compress::{How, failure, tell_of, values};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source, refuse_same_file};
+use super::input::{RawArgs, open_source_for, refuse_same_file};
 use super::output::write_atomically;
 use super::progress::Bar;
 
@@ -47,7 +47,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.file)?;
     let container = Container::open(&args.file).map_err(|error| Failure::of_container(&args.file, &error))?;
-    let mut source = open_source(&args.input, args.raw.layout(None)?.as_ref())?;
+    let mut source = open_source_for(&args.input, args.raw.layout(None)?.as_ref(), &args.file)?;
     let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
     let count = |values| bar.count(values);
     let stem = || args.input.file_stem().map(|stem| stem.to_string_lossy().into_owned());

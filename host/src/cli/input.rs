@@ -1,6 +1,6 @@
 //! Arguments that several commands share: the layout of a raw file, and names to choose from.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -88,10 +88,7 @@ pub(crate) fn open_source_for(
     output: &Path,
 ) -> Result<Box<dyn Source>, Failure> {
     let source = open_source(path, layout)?;
-    if let Some(file) = volume::overwritten(&source.files(), output) {
-        let message = format_args!("would overwrite {}, which is read: give another output", file.display());
-        return Err(Failure::at(output, Fault::Usage, message));
-    }
+    refuse_overwriting(&source.files(), output)?;
     Ok(source)
 }
 
@@ -122,16 +119,26 @@ fn failure(path: &Path, error: ReadError) -> Failure {
 /// Refuses to write a file over the one it is made from.
 ///
 /// # Errors
-/// A usage failure if both paths lead to one regular file.
+/// A usage failure if the input is a regular file, and both paths lead to it, or the output's has its samples there.
 pub(crate) fn refuse_same_file(input: &Path, output: &Path) -> Result<(), Failure> {
-    let same = match (input.canonicalize(), output.canonicalize()) {
-        (Ok(input), Ok(output)) => input == output && input.is_file(),
-        _ => false,
-    };
-    if same {
-        return Err(Failure::at(output, Fault::Usage, "is the input as well: give another output"));
+    if !input.is_file() {
+        return Ok(());
     }
-    Ok(())
+    match (input.canonicalize(), output.canonicalize()) {
+        (Ok(input), Ok(output)) if input == output => {}
+        _ => return refuse_overwriting(&[input.to_owned()], output),
+    }
+    Err(Failure::at(output, Fault::Usage, "is the input as well: give another output"))
+}
+
+/// Refuses to write a file over others that are read.
+///
+/// # Errors
+/// A usage failure if [`volume::overwritten`] finds one.
+pub(crate) fn refuse_overwriting(files: &[PathBuf], output: &Path) -> Result<(), Failure> {
+    let Some(file) = volume::overwritten(files, output) else { return Ok(()) };
+    let message = format_args!("would overwrite {}, which is read: give another output", file.display());
+    Err(Failure::at(output, Fault::Usage, message))
 }
 
 fn usage(message: &str) -> Failure {

@@ -6,7 +6,7 @@ use wavelift_host::tables::{self, Table};
 use wavelift_host::volume::{self, Volume};
 
 use super::exit::Failure;
-use super::input::{RawArgs, read_volume, refuse_same_file};
+use super::input::{RawArgs, read_volume, read_volume_for, refuse_same_file};
 use super::output;
 use super::progress::Bar;
 
@@ -59,7 +59,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         None => built_in(args.levels)?,
         Some(input) => {
             let title = input.file_name().unwrap_or(input.as_os_str()).to_string_lossy();
-            vec![measure(input, &title, &read_volume(input, layout.as_ref())?, args.levels)?]
+            let volume = match &args.svg {
+                Some(svg) => read_volume_for(input, layout.as_ref(), svg)?,
+                None => read_volume(input, layout.as_ref())?,
+            };
+            vec![measure(input, &title, &volume, args.levels)?]
         }
     };
     if let Some(path) = &args.svg {

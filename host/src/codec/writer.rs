@@ -24,6 +24,9 @@ pub(super) struct Writer<W> {
 /// A record is repeated behind the bricks of a step if it has at most one in so many of their bytes.
 const COPIED: u64 = 1 << 10;
 
+/// Or if it has at most so many bytes, and nothing can be decoded without it.
+const COPIED_ALWAYS: usize = 128;
+
 impl<W: Write> Writer<W> {
     /// Begins a container.
     pub(super) fn new(mut out: W, head: &Head, metadata: &Metadata) -> io::Result<Self> {
@@ -95,8 +98,11 @@ impl<W: Write> Writer<W> {
 
     /// Ends a time step: repeats what comes before its bricks, so that one damaged place cannot make all of them useless.
     pub(super) fn end_step(&mut self) -> io::Result<()> {
-        let copied = self.first.iter().filter(|record| record.len() as u64 <= self.bricks / COPIED);
-        let copies = copied.flatten().copied().collect::<Vec<u8>>();
+        let is_first = self.index.steps.len() == 1;
+        let copied = self.first.iter().zip([is_first, false, true]).filter(|(record, is_needed)| {
+            record.len() as u64 <= self.bricks / COPIED || *is_needed && record.len() <= COPIED_ALWAYS
+        });
+        let copies = copied.flat_map(|(record, _)| record).copied().collect::<Vec<u8>>();
         let copies = self.record(&copies)?;
         if let Some(entry) = self.index.steps.last_mut() {
             entry.copies = copies;

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::ply::PlyKind;
 use super::{MeshFault, MeshFileError, PolygonMesh, Surface, TriangleMesh, gltf, obj, off, ply, stl};
@@ -85,6 +85,14 @@ pub fn read_polygons(path: &Path) -> Result<PolygonMesh, MeshFileError> {
 /// As [`read_polygons`].
 pub fn read(path: &Path) -> Result<TriangleMesh, MeshFileError> {
     read_polygons(path).map(|mesh| mesh.triangulated())
+}
+
+/// The files that a mesh is read from: its own, and those of the buffers of glTF.
+pub fn files(path: &Path) -> Vec<PathBuf> {
+    let is_gltf = matches!(MeshFormat::of_name(path), Some(MeshFormat::Gltf | MeshFormat::Glb));
+    let bytes = if is_gltf { read_file(path).unwrap_or_default() } else { Vec::new() };
+    let buffers = gltf::files(&bytes, path.parent().unwrap_or(Path::new(".")));
+    std::iter::once(path.to_owned()).chain(buffers).collect()
 }
 
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {

@@ -24,7 +24,7 @@ pub use check::{Component, Report};
 pub(crate) use edges::Sets;
 pub use error::{MeshFault, MeshFileError};
 pub use feature::FeatureAngles;
-pub use file::{MeshFormat, read, read_polygons, write, write_as};
+pub use file::{MeshFormat, files, read, read_polygons, write, write_as};
 pub use glam::DVec3 as Point;
 pub use intersection::self_intersections;
 pub use repair::Repairs;

@@ -293,11 +293,11 @@ typedef struct wavelift_step {
     wavelift_status status;
 } wavelift_step;
 
-#define WAVELIFT_ROW_CODEC_WORDS 706
+#define WAVELIFT_ROW_CODEC_WORDS 791
 #define WAVELIFT_ROW_ENCODER_WORDS 160
 #define WAVELIFT_ROW_DECODER_WORDS 240
 
-/* Models of both directions: 5,648 bytes. */
+/* Models of both directions: 6,328 bytes. */
 typedef struct wavelift_row_codec {
     uint64_t opaque[WAVELIFT_ROW_CODEC_WORDS];
 } wavelift_row_codec;

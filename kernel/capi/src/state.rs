@@ -98,7 +98,7 @@ state! {
 #[cfg(feature = "rows")]
 state! {
     /// Memory of [`RowCodec`]: `wavelift_row_codec`.
-    WaveliftRowCodec(706) of RowCodec
+    WaveliftRowCodec(791) of RowCodec
 }
 #[cfg(feature = "rows")]
 session! {

@@ -22,6 +22,8 @@ mod priors;
 mod residual;
 #[cfg(feature = "stream")]
 mod row;
+#[cfg(feature = "stream")]
+mod row_models;
 mod scan;
 pub(crate) mod tabled;
 mod taps;
@@ -42,6 +44,8 @@ pub(crate) use predictor::Predictor;
 pub(crate) use residual::Models;
 #[cfg(feature = "stream")]
 pub(crate) use row::{Cursor, MOST_BYTES, Row};
+#[cfg(feature = "stream")]
+pub(crate) use row_models::RowModels;
 pub(crate) use scan::{Coefficients, scratch_len};
 pub use train::Training;
 

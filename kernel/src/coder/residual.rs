@@ -13,7 +13,7 @@ use crate::extent::to_usize;
 const ESCAPE: u32 = 15;
 
 /// Kinds of escapes: from small classes, from large ones.
-const ESCAPES: usize = 2;
+pub(super) const ESCAPES: usize = 2;
 
 /// The adaptive distributions of a codestream: the state of the coder beside the interval, of fixed size.
 #[derive(Debug, PartialEq, Eq)]
@@ -73,8 +73,7 @@ impl Models {
                     return 0;
                 };
                 let leaning = |value: i32| if expected.offset < 0 { value.wrapping_neg() } else { value };
-                let rank = rank(leaning(residual));
-                leaning(of_rank(code_rank(coder, distribution, small_exponents, rank)))
+                leaning(code_small(coder, distribution, small_exponents, leaning(residual)))
             }
             Class::Large { class, step_bits } => {
                 let Some(distribution) = self.large.get_mut(class) else { return 0 };
@@ -105,6 +104,17 @@ fn of_rank(rank: u32) -> i32 {
     negated.cast_signed().wrapping_neg()
 }
 
+/// Codes a small residual as its rank.
+#[inline(always)]
+pub(super) fn code_small<C: Coder + ?Sized>(
+    coder: &mut C,
+    distribution: &mut Distribution,
+    exponents: &mut Distribution,
+    residual: i32,
+) -> i32 {
+    of_rank(code_rank(coder, distribution, exponents, rank(residual)))
+}
+
 /// Codes a rank: the first have symbols of their own.
 #[cfg_attr(not(feature = "small"), inline(always))]
 fn code_rank<C: Coder + ?Sized>(
@@ -123,7 +133,7 @@ fn code_rank<C: Coder + ?Sized>(
 
 /// Codes a residual as zero, or a step of 2^`step_bits` magnitudes, a place in it, and a sign.
 #[cfg_attr(not(feature = "small"), inline(always))]
-fn code_step<C: Coder + ?Sized>(
+pub(super) fn code_step<C: Coder + ?Sized>(
     coder: &mut C,
     distribution: &mut Distribution,
     exponents: &mut Distribution,

@@ -1,9 +1,9 @@
 //! Rows of subbands of a slice that are coded one after another, each in pieces, with what is kept of the rows above.
 
 use super::Coder;
-use super::context::{Expected, magnitude};
+use super::context::magnitude;
 use super::history::Last;
-use super::residual::Models;
+use super::row_models::RowModels;
 use super::scan::SIBLING;
 use super::weightless::Corner;
 
@@ -51,7 +51,7 @@ impl Cursor {
     pub(crate) fn code<C: Coder>(
         &mut self,
         coder: &mut C,
-        models: &mut Models,
+        models: &mut RowModels,
         row: &Row,
         memory: &mut [i32],
         go_on: impl Fn(&C) -> bool,
@@ -72,7 +72,7 @@ impl Cursor {
     fn code_next<C: Coder>(
         &mut self,
         coder: &mut C,
-        models: &mut Models,
+        models: &mut RowModels,
         row: &Row,
         memory: &mut [i32],
     ) -> Option<()> {
@@ -89,10 +89,10 @@ impl Cursor {
                 energy = energy.wrapping_add(magnitude(*memory.get(here(sibling))?).wrapping_mul(SIBLING));
             }
         }
-        let expected = Expected::exactly(self.expected(row, memory));
+        let expected = self.expected(row, memory);
         let value = memory.get_mut(here(row.values))?;
-        let residual = models.code(coder, energy, expected, value.wrapping_sub(expected.value));
-        *value = expected.value.wrapping_add(residual);
+        let residual = models.code(coder, energy, value.wrapping_sub(expected));
+        *value = expected.wrapping_add(residual);
         let value = *value;
         if let Some(above) = row.north {
             let north_west = core::mem::replace(memory.get_mut(here(above))?, value);

@@ -56,13 +56,31 @@ fn extremes() -> impl Iterator<Item = i32> {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "many values through code without addresses")]
 fn every_pair_of_bytes_and_of_extremes() {
     let values: Vec<i32> = (-128..128).chain(extremes()).collect();
     exhaust(2, &values);
 }
 
+/// In either place of a line of two, as every value beside it enters by its residue alone.
+#[test]
+#[cfg_attr(miri, ignore = "many values through code without addresses")]
+fn every_sixteen_bits_beside_a_window_and_extremes() {
+    let all: Vec<i32> = (-32_768..32_768).collect();
+    let beside = (-27..=27).chain([-32_768, 32_767, 65_535]).chain(extremes());
+    for value in beside {
+        let same = vec![value; all.len()];
+        for lines in [[&all[..], &same].concat(), [&same[..], &all].concat()] {
+            for wavelet in Wavelet::ALL {
+                check(wavelet, 2, &lines);
+            }
+        }
+    }
+}
+
 /// Twice the largest divisor: every residue, with either sign.
 #[test]
+#[cfg_attr(miri, ignore = "many values through code without addresses")]
 fn every_three_of_a_window_and_extremes() {
     let values: Vec<i32> = (-27..=27).chain(extremes()).collect();
     exhaust(3, &values);
@@ -70,6 +88,7 @@ fn every_three_of_a_window_and_extremes() {
 
 /// Lines with an inner coefficient of either kind, and longer than the longest step reaches.
 #[test]
+#[cfg_attr(miri, ignore = "many values through code without addresses")]
 fn longer_lines_of_few_values() {
     let values = [-14, -1, 0, 1, 5, 13, i32::MIN, i32::MAX];
     for n in 4..=6 {

@@ -203,7 +203,7 @@ impl<'a> RowDecoder<'a> {
         let is_whole = self.reader.is_whole();
         let mut decoder = Decoder::resume(self.coder, self.reader.waiting());
         let has_enough = |decoder: &Decoder<'_>| is_whole || decoder.left() >= MOST_BYTES;
-        let models = self.codec.models(orientation);
+        let models = self.codec.models(pair.map(|pair| pair.level), orientation);
         let is_done = cursor.code(&mut decoder, models, &row, self.memory, has_enough);
         self.put_back(decoder.suspend());
         if !is_done {

@@ -221,7 +221,7 @@ impl<'a> RowEncoder<'a> {
     fn code(&mut self, pair: Option<Pair>, orientation: u8, mut cursor: Cursor) -> Phase {
         let row = self.row(pair, orientation);
         let has_room = |coder: &Interval<ChunkWriter>| coder.peek().has_room();
-        let models = self.codec.models(orientation);
+        let models = self.codec.models(pair.map(|pair| pair.level), orientation);
         if !cursor.code(&mut self.coder, models, &row, self.memory, has_room) {
             return Phase::Code(pair, orientation, cursor);
         }

@@ -308,14 +308,14 @@ mod tests {
     fn counts_are_brought_down_in_step() {
         let passes = Passes::new(Wavelet::Cubic, Direction::Forward);
         let mut fronts = Fronts::new(passes);
-        let mut pairs = 0;
-        for _ in 0..10_000 {
+        let (mut pairs, rows) = (0, if cfg!(miri) { 2_000 } else { 10_000 });
+        for _ in 0..rows {
             assert!(fronts.receive() < 2 * TURN + 10);
             while fronts.advance(passes).is_some() {}
             pairs += usize::from(fronts.take_pair(passes).is_some());
         }
         // Two rows wait for the one that the last step of the first looks at.
-        assert_eq!(pairs, 4_999);
+        assert_eq!(pairs, rows / 2 - 1);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::plan::{MAX_LEVELS, RowPlan};
 use crate::{DecodeError, Malformed, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 /// The first two bytes of every stream.
 const MAGIC: [u8; 2] = *b"wS";

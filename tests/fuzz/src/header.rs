@@ -10,13 +10,13 @@ pub fn check(bytes: &[u8]) {
     codestream(bytes);
     let rows = RowPlan::parse(bytes).map(|(plan, len)| {
         let fields = fields(plan.sample_type(), plan.levels(), plan.wavelet());
-        (written(b"wS\x01\x00", fields, &[plan.width(), plan.strip()]), len)
+        (written(b"wS\x02\x00", fields, &[plan.width(), plan.strip()]), len)
     });
     same(bytes, rows, |bytes| RowPlan::parse(bytes).err());
     let slabs = SlabPlan::parse(bytes).map(|(slabs, len)| {
         let plan = slabs.plan();
         let fields = fields(slabs.sample_type(), plan.levels(), plan.wavelet());
-        (written(b"wS\x01\x01", fields, &plan.extent().axes()), len)
+        (written(b"wS\x02\x01", fields, &plan.extent().axes()), len)
     });
     same(bytes, slabs, |bytes| SlabPlan::parse(bytes).err());
 }

@@ -173,3 +173,47 @@ fn faults_are_told_and_nothing_is_written() {
     folder.run("surface decode missing.wsurf out.ply").fails(4, &["missing.wsurf"]);
     assert_eq!(folder.everything(), before);
 }
+
+#[test]
+fn what_is_read_is_not_overwritten() {
+    let folder = folder();
+    folder.run(&format!("convert balls.raw v.nhdr {LAYOUT}")).silent();
+    folder.run("convert v.nhdr d.nrrd").silent();
+    for inner in ["steps", "pictures"] {
+        std::fs::create_dir(folder.path(inner)).expect("the folder takes folders");
+    }
+    for name in ["m.ply", "m.mesh", "s.wsurf", "s.ply", "steps/contour.ply", "pictures/5.png", "g.bin"] {
+        folder.write(name, b"what it holds does not come to pass");
+    }
+    folder.write(
+        "g.gltf",
+        br#"{ "asset": { "version": "2.0" }, "buffers": [{ "uri": "g.bin", "byteLength": 9 }] }"#,
+    );
+    folder.write("r.ply", balls(EXTENT));
+    folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let before = folder.everything();
+    for (line, file) in [
+        ("build v.nhdr v.raw --iso 128", "v.raw"),
+        ("build v.nhdr v.nhdr --iso 128", "v.nhdr"),
+        ("build steps/contour.ply o.wsurf --keep steps", "steps/contour.ply"),
+        ("build g.gltf g.bin", "g.bin"),
+        (&format!("extract r.ply r.ply --iso 128 {LAYOUT}"), "r.ply"),
+        ("distance v.nhdr v.raw --iso 128", "v.raw"),
+        ("distance v.nhdr v.mhd --iso 128", "v.raw"),
+        ("distance m.ply ./m.ply", "m.ply"),
+        ("distance g.gltf g.bin", "g.bin"),
+        ("base m.ply m.ply", "m.ply"),
+        (&format!("base t.obj r.ply --border r.ply {LAYOUT}"), "r.ply"),
+        ("wrap m.mesh d.nrrd m.mesh", "m.mesh"),
+        ("wrap g.gltf d.nrrd g.bin", "g.bin"),
+        ("encode s.wsurf s.wsurf", "s.wsurf"),
+        ("decode s.ply s.ply", "s.ply"),
+        ("view-png m.ply m.ply", "m.ply"),
+        ("view-png s.wsurf s.wsurf", "s.wsurf"),
+        ("tables pictures/5.png --pictures pictures", "pictures/5.png"),
+    ] {
+        folder.run(&format!("surface {line}")).fails(2, &["would overwrite", file]);
+    }
+    folder.run("tables v.nhdr --svg v.raw").fails(2, &["would overwrite", "v.raw"]);
+    assert!(folder.everything() == before);
+}

@@ -10,7 +10,7 @@ use wavelift_host::volume::Fault;
 
 use super::file::{bad, is_mesh, read_field, read_mesh, refuse_other_than_mesh, write_mesh};
 use crate::cli::exit::Failure;
-use crate::cli::input::{RawArgs, refuse_same_file};
+use crate::cli::input::RawArgs;
 use crate::cli::output::print;
 
 /// Make a base mesh: few polygons with the topology of a mesh, or with a simpler one
@@ -48,13 +48,12 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
     refuse_other_than_mesh(&args.output)?;
     if is_mesh(&args.input) { of_mesh(args) } else { of_distance(args) }
 }
 
 fn of_distance(args: &Args) -> Result<(), Failure> {
-    let distance = read_field(&args.input, &args.raw)?;
+    let distance = read_field(&args.input, &args.raw, &[&args.output])?;
     let start = Instant::now();
     let options = OctreeOptions { deviation: args.deviation, ..OctreeOptions::default() };
     let base = octree_mesh(&distance, &options);
@@ -67,10 +66,10 @@ fn of_distance(args: &Args) -> Result<(), Failure> {
 }
 
 fn of_mesh(args: &Args) -> Result<(), Failure> {
-    let mut mesh = read_mesh(&args.input)?;
+    let mut mesh = read_mesh(&args.input, &[&args.output])?;
     let mut constraints = Constraints::default();
     if let Some(volume) = &args.border {
-        constraints.border = Some(*read_field(volume, &args.raw)?.grid());
+        constraints.border = Some(*read_field(volume, &args.raw, &[&args.output])?.grid());
     }
     let start = Instant::now();
     mesh.repair();

@@ -13,7 +13,7 @@ use super::encode::{self, How};
 use super::file::{self, is_mesh, read_field, read_mesh, refuse_mesh, write_bytes, write_mesh};
 use super::wrap;
 use crate::cli::exit::Failure;
-use crate::cli::input::{RawArgs, refuse_same_file};
+use crate::cli::input::RawArgs;
 use crate::cli::output::{print, tell};
 
 /// Share of a cell's edge that coding may move a surface by, unless something else is asked for.
@@ -71,12 +71,13 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
     refuse_mesh(&args.output)?;
-    let field = field(args)?;
+    let written = written(args);
+    let outputs: Vec<&Path> = written.iter().map(PathBuf::as_path).collect();
+    let field = field(args, &outputs)?;
     let source = match (&field, args.iso) {
         (Some(field), Some(iso)) => Source::Isosurface(field, iso),
-        _ => Source::Mesh(read_mesh(&args.input)?),
+        _ => Source::Mesh(read_mesh(&args.input, &outputs)?),
     };
     let usual = BuildOptions::default();
     let options = BuildOptions {
@@ -150,7 +151,7 @@ fn fault(error: &BuildError) -> Fault {
 }
 
 /// The field, if INPUT is a volume.
-fn field(args: &Args) -> Result<Option<ScalarField>, Failure> {
+fn field(args: &Args, outputs: &[&Path]) -> Result<Option<ScalarField>, Failure> {
     match (is_mesh(&args.input), args.iso) {
         (true, Some(_)) => {
             Err(Failure::new(Fault::Usage, "--iso is for volumes, and INPUT is a mesh: leave it out"))
@@ -161,7 +162,7 @@ fn field(args: &Args) -> Result<Option<ScalarField>, Failure> {
             let what = "--sharp and --cells are for meshes, and INPUT is a volume: leave them out";
             Err(Failure::new(Fault::Usage, what))
         }
-        (false, Some(_)) => read_field(&args.input, &args.raw).map(Some),
+        (false, Some(_)) => read_field(&args.input, &args.raw, outputs).map(Some),
     }
 }
 
@@ -195,13 +196,22 @@ fn missed(part: &Missed) -> String {
     )
 }
 
+/// Names of the files that are kept: contour, base mesh, finest mesh, distance.
+const KEPT: [&str; 4] = ["contour.ply", "base.ply", "finest.ply", "distance.nrrd"];
+
+/// Every file that is to be written.
+fn written(args: &Args) -> Vec<PathBuf> {
+    let kept = args.keep.iter().flat_map(|folder| KEPT.map(|name| folder.join(name)));
+    kept.chain([args.output.clone()]).collect()
+}
+
 fn keep(folder: &Path, built: &Built) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
-    write_mesh(&built.contour, &folder.join("contour.ply"))?;
-    write_mesh(&built.base, &folder.join("base.ply"))?;
+    let [contour, base, finest, distance] = KEPT.map(|name| folder.join(name));
+    write_mesh(&built.contour, &contour)?;
+    write_mesh(&built.base, &base)?;
     let surface = &built.wrapped.surface;
-    write_mesh(&surface.level(surface.levels), &folder.join("finest.ply"))?;
-    let path = folder.join("distance.nrrd");
-    volume::write(&built.distance.to_volume(), &path, &WriteOptions::default())?;
+    write_mesh(&surface.level(surface.levels), &finest)?;
+    volume::write(&built.distance.to_volume(), &distance, &WriteOptions::default())?;
     Ok(())
 }

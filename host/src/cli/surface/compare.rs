@@ -44,8 +44,8 @@ pub(crate) struct Args {
 /// A [`Failure`].
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let level_of = |path: &std::path::Path| args.level.filter(|_| super::file::is_surface(path));
-    let (first, _) = read_level(&args.first, level_of(&args.first))?;
-    let (second, _) = read_level(&args.second, level_of(&args.second))?;
+    let (first, _) = read_level(&args.first, level_of(&args.first), &[])?;
+    let (second, _) = read_level(&args.second, level_of(&args.second), &[])?;
     let distance = SurfaceDistance::between(&first.triangulated(), &second.triangulated(), args.samples);
     let distance = distance.ok_or_else(|| {
         let (first, second) = (args.first.display(), args.second.display());

@@ -9,7 +9,6 @@ use wavelift_host::volume::Fault;
 
 use super::file::{bad, read_bytes, refuse_level, refuse_other_than_mesh, write_mesh};
 use crate::cli::exit::Failure;
-use crate::cli::input::refuse_same_file;
 use crate::cli::output::print;
 
 /// Decode a surface, whole or in part, to a mesh of any of its levels
@@ -45,9 +44,8 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
     refuse_other_than_mesh(&args.output)?;
-    let bytes = read_bytes(&args.input, args.bytes)?;
+    let bytes = read_bytes(&args.input, args.bytes, &[&args.output])?;
     let accepted = Limits { vertices: args.most_vertices };
     let (surface, faces) = match args.region {
         None => {

@@ -9,7 +9,7 @@ use wavelift_host::volume::{self, Fault, WriteOptions};
 
 use super::file::{bad, is_mesh, read_field, read_mesh};
 use crate::cli::exit::Failure;
-use crate::cli::input::{RawArgs, refuse_same_file};
+use crate::cli::input::RawArgs;
 use crate::cli::output::print;
 
 /// Signed distance to an isosurface or a mesh, as a volume
@@ -44,7 +44,6 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
     let mut options = Options::default();
     if let Some(limit) = args.limit {
         if limit.is_nan() || limit <= 0.0 {
@@ -61,7 +60,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 "--iso is for volumes, and INPUT is a mesh: leave it out",
             ));
         }
-        let mut mesh = read_mesh(&args.input)?;
+        let mut mesh = read_mesh(&args.input, &[&args.output])?;
         start = Instant::now();
         mesh.repair();
         let grid = distance::grid_around(&mesh, args.cells, MARGIN).map_err(|error| of_file(&error))?;
@@ -73,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 "the distance to which surface of the volume? give --iso",
             ));
         };
-        let field = read_field(&args.input, &args.raw)?;
+        let field = read_field(&args.input, &args.raw, &[&args.output])?;
         start = Instant::now();
         distance::of_isosurface(&field, iso, &options).map_err(|error| of_file(&error))?
     };

@@ -10,7 +10,6 @@ use wavelift_host::surface_wavelet::Basis;
 
 use super::file::{self, read_surface, refuse_mesh, write_bytes};
 use crate::cli::exit::Failure;
-use crate::cli::input::refuse_same_file;
 use crate::cli::output::print;
 
 /// Encode a surface with wavelets: to a precision, to a size, or without loss
@@ -71,9 +70,8 @@ impl How {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
     refuse_mesh(&args.output)?;
-    let surface = read_surface(&args.input)?;
+    let surface = read_surface(&args.input, &[&args.output])?;
     let encoded = file::encode(&args.input, &surface, &args.how.settings(fine(&surface)))?;
     write_bytes(&args.output, &encoded.bytes)?;
     print(&text(&args.output, &surface, &encoded))

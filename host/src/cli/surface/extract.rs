@@ -36,7 +36,7 @@ pub(crate) struct Args {
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_other_than_mesh(&args.output)?;
-    let field = read_field(&args.input, &args.raw)?;
+    let field = read_field(&args.input, &args.raw, &[&args.output])?;
     let start = Instant::now();
     let mesh = contour(&field, args.iso).map_err(|error| bad(&args.input, error))?;
     let seconds = start.elapsed().as_secs_f64();

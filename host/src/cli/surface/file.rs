@@ -10,10 +10,10 @@ use wavelift_host::mesh::{self, MeshFormat, PolygonMesh, Surface, TriangleMesh};
 use wavelift_host::subdivision::SubdivisionSurface;
 use wavelift_host::surface_codec::{self, EncodeError, Encoded, Limits, Precision, Settings};
 use wavelift_host::surface_wavelet::Basis;
-use wavelift_host::volume::{Fault, in_words};
+use wavelift_host::volume::{self, Fault, in_words};
 
 use crate::cli::exit::Failure;
-use crate::cli::input::{RawArgs, read_volume};
+use crate::cli::input::{RawArgs, open_source, refuse_overwriting};
 use crate::cli::output::write_atomically;
 
 /// Bits of a coordinate of a surface that is kept without loss, beside its sign.
@@ -29,9 +29,17 @@ pub(super) fn is_surface(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("wsurf"))
 }
 
-/// Reads a field from a volume.
-pub(super) fn read_field(path: &Path, raw: &RawArgs) -> Result<ScalarField, Failure> {
-    let volume = read_volume(path, raw.layout(None)?.as_ref())?;
+/// Refuses to write over the files of a mesh or a surface.
+fn refuse_over(path: &Path, outputs: &[&Path]) -> Result<(), Failure> {
+    let files = mesh::files(path);
+    outputs.iter().try_for_each(|output| refuse_overwriting(&files, output))
+}
+
+/// Reads a field from a volume, unless one of the files to be written would replace a part of that.
+pub(super) fn read_field(path: &Path, raw: &RawArgs, outputs: &[&Path]) -> Result<ScalarField, Failure> {
+    let source = open_source(path, raw.layout(None)?.as_ref())?;
+    outputs.iter().try_for_each(|output| refuse_overwriting(&source.files(), output))?;
+    let volume = volume::read_all(path, source)?;
     let field = ScalarField::from_volume(&volume).map_err(|error| bad(path, error))?;
     let [x, y, z] = field.grid().extent;
     if [x, y, z].contains(&1) {
@@ -41,13 +49,15 @@ pub(super) fn read_field(path: &Path, raw: &RawArgs) -> Result<ScalarField, Fail
     Ok(field)
 }
 
-/// Reads triangles.
-pub(super) fn read_mesh(path: &Path) -> Result<TriangleMesh, Failure> {
+/// Reads triangles, unless a file to be written would replace them.
+pub(super) fn read_mesh(path: &Path, outputs: &[&Path]) -> Result<TriangleMesh, Failure> {
+    refuse_over(path, outputs)?;
     mesh::read(path).map_err(|error| Failure::new(error.kind(), error))
 }
 
-/// Reads polygons.
-pub(super) fn read_polygons(path: &Path) -> Result<PolygonMesh, Failure> {
+/// Reads polygons, unless a file to be written would replace them.
+pub(super) fn read_polygons(path: &Path, outputs: &[&Path]) -> Result<PolygonMesh, Failure> {
+    refuse_over(path, outputs)?;
     mesh::read_polygons(path).map_err(|error| Failure::new(error.kind(), error))
 }
 
@@ -100,30 +110,37 @@ pub(super) fn encode(
     })
 }
 
-/// Reads the file of a surface, or its first `most` bytes.
-pub(super) fn read_bytes(path: &Path, most: Option<usize>) -> Result<Vec<u8>, Failure> {
+/// Reads the file of a surface, or its first `most` bytes, unless a file to be written would replace it.
+pub(super) fn read_bytes(path: &Path, most: Option<usize>, outputs: &[&Path]) -> Result<Vec<u8>, Failure> {
+    refuse_over(path, outputs)?;
     let mut bytes = fs::read(path)
         .map_err(|cause| Failure::at(path, Fault::Io, format_args!("cannot read: {}", in_words(&cause))))?;
     bytes.truncate(most.unwrap_or(usize::MAX));
     Ok(bytes)
 }
 
-/// Reads a surface with levels.
-pub(super) fn read_surface(path: &Path) -> Result<SubdivisionSurface, Failure> {
-    surface_codec::decode(&read_bytes(path, None)?, Limits::default()).map_err(|error| bad(path, error))
+/// Reads a surface with levels, unless a file to be written would replace it.
+pub(super) fn read_surface(path: &Path, outputs: &[&Path]) -> Result<SubdivisionSurface, Failure> {
+    surface_codec::decode(&read_bytes(path, None, outputs)?, Limits::default())
+        .map_err(|error| bad(path, error))
 }
 
-/// Reads level `level` of a surface, the finest by default, or a mesh; and the number of the patch of each face.
-pub(super) fn read_level(path: &Path, level: Option<u32>) -> Result<(PolygonMesh, Vec<u32>), Failure> {
+/// Reads level `level` of a surface, the finest by default, or a mesh; and the number of the patch of each face. Not if
+/// a file to be written would replace it.
+pub(super) fn read_level(
+    path: &Path,
+    level: Option<u32>,
+    outputs: &[&Path],
+) -> Result<(PolygonMesh, Vec<u32>), Failure> {
     if !is_surface(path) {
         if level.is_some() {
             return Err(Failure::at(path, Fault::Usage, "is a mesh, which has no levels: leave --level out"));
         }
-        let mesh = read_polygons(path)?;
+        let mesh = read_polygons(path, outputs)?;
         let patches = (0..mesh.faces().len() as u32).collect();
         return Ok((mesh, patches));
     }
-    let surface = read_surface(path)?;
+    let surface = read_surface(path, outputs)?;
     let level = level.unwrap_or(surface.levels);
     refuse_level(path, &surface, level)?;
     Ok((surface.level(level), patches(&surface, level)))

@@ -9,7 +9,6 @@ use wavelift_host::volume::Fault;
 
 use super::file::read_level;
 use crate::cli::exit::Failure;
-use crate::cli::input::refuse_same_file;
 
 /// Draw a surface or a mesh into a PNG file
 ///
@@ -76,8 +75,7 @@ impl FromStr for Vector {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.input, &args.output)?;
-    let (mesh, patches) = read_level(&args.input, args.level)?;
+    let (mesh, patches) = read_level(&args.input, args.level, &[&args.output])?;
     let camera = Camera { towards: args.towards.0, up: args.up.0, ..Camera::default() };
     let line_width = if args.lines { 1.0 } else { 0.0 };
     let picture = Picture { size: args.size.0, camera, line_width, ..Picture::default() };

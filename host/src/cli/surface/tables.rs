@@ -56,7 +56,9 @@ struct Row {
 /// # Errors
 /// A [`Failure`].
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let surface = read_surface(&args.input)?;
+    let pictures = args.pictures.iter().flat_map(|folder| pictures().map(|name| folder.join(name)));
+    let pictures: Vec<PathBuf> = pictures.collect();
+    let surface = read_surface(&args.input, &pictures.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
     let hierarchy = Hierarchy::from(&surface);
     let mut coefficients = surface.positions.clone();
     forward(Basis::Bicubic, &hierarchy, &mut coefficients);
@@ -64,8 +66,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let exact = surface.level(surface.levels).triangulated();
     if let Some(folder) = &args.pictures {
         std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
-        draw(&folder.join("base.png"), &surface.level(0))?;
-        draw(&folder.join("all.png"), &surface.level(surface.levels))?;
+        draw(&folder.join(BASE), &surface.level(0))?;
+        draw(&folder.join(ALL), &surface.level(surface.levels))?;
     }
     let mut rows = Vec::new();
     for (share, text) in TABLE_1 {
@@ -76,7 +78,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         let squares: f64 = kept.iter().zip(&surface.positions).map(|(a, b)| a.distance_squared(*b)).sum();
         let rough = SubdivisionSurface { positions: kept, ..surface.clone() }.level(surface.levels);
         if let Some(folder) = &args.pictures {
-            draw(&folder.join(format!("{share}.png")), &rough)?;
+            draw(&folder.join(picture(share)), &rough)?;
         }
         let distance = SurfaceDistance::between(&exact, &rough.triangulated(), args.samples);
         let percent = 100.0 / args.cell;
@@ -89,6 +91,20 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         });
     }
     if args.json { print_json(&document(&surface, &rows)) } else { print(&text(&surface, &rows)) }
+}
+
+/// Names of the pictures of all coefficients and of none.
+const BASE: &str = "base.png";
+const ALL: &str = "all.png";
+
+/// Name of the picture of a share of the coefficients.
+fn picture(share: f64) -> String {
+    format!("{share}.png")
+}
+
+/// Names of all pictures.
+fn pictures() -> impl Iterator<Item = String> {
+    [BASE, ALL].map(str::to_owned).into_iter().chain(TABLE_1.map(|(share, _)| picture(share)))
 }
 
 /// Pixels along each side of a picture.

@@ -9,7 +9,7 @@ use wavelift_host::wrap::{Lines, Target, WrapError, WrapOptions, WrapReport, wra
 
 use super::file::{encode_exactly, read_field, read_mesh, read_polygons, refuse_mesh, write_bytes};
 use crate::cli::exit::Failure;
-use crate::cli::input::{RawArgs, refuse_same_file};
+use crate::cli::input::RawArgs;
 use crate::cli::output::print;
 
 /// Wrap a base mesh around a surface given by its distance
@@ -47,16 +47,15 @@ pub(crate) struct Args {
 /// # Errors
 /// A [`Failure`]; OUTPUT is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    refuse_same_file(&args.base, &args.output)?;
-    refuse_same_file(&args.distance, &args.output)?;
     refuse_mesh(&args.output)?;
-    let mut base = read_polygons(&args.base)?;
+    let outputs = [&*args.output];
+    let mut base = read_polygons(&args.base, &outputs)?;
     let angles = args.sharp.map(|edge| FeatureAngles { edge, ..FeatureAngles::default() });
     if let Some(angles) = angles {
         base.features = Features::by_angle(&base, angles);
     }
-    let distance = read_field(&args.distance, &args.raw)?;
-    let onto = args.onto.as_deref().map(read_mesh).transpose()?.map(|mut mesh| {
+    let distance = read_field(&args.distance, &args.raw, &outputs)?;
+    let onto = args.onto.as_deref().map(|path| read_mesh(path, &outputs)).transpose()?.map(|mut mesh| {
         mesh.repair();
         let features = angles.map(|angles| Features::by_angle(&mesh, angles)).unwrap_or_default();
         (Bvh::new(&mesh), Lines::of_mesh(&mesh, &features))

@@ -5,7 +5,7 @@ use std::ops::{ControlFlow, Range};
 use super::*;
 use crate::progress::ignore;
 
-/// A file of bricks of single bytes that cannot be compressed, so that it is long enough for copies of its records.
+/// A file of bricks of single bytes that cannot be compressed.
 struct Whole {
     volume: Volume,
     bytes: Vec<u8>,
@@ -145,6 +145,25 @@ fn small_files_survive_every_wrong_byte() {
         each(&all, |byte| flip(&whole, *byte, 1 << (*byte % 8)));
     }
     flip_at_random(&Whole::new([24, 12, 9], 64));
+}
+
+#[test]
+fn small_files_survive_without_their_beginning() {
+    for (extent, side) in [([3, 2, 1], 64), ([24, 12, 9], 64), ([16, 16, 8], 8)] {
+        let whole = Whole::new(extent, side);
+        let first = whole.bricks[0].0.start;
+        // From a few wrong bytes in one record to all of them.
+        for (from, to) in [(0, first), (11, 14), (12, 30), (first - 9, first - 3)] {
+            let mut bytes = whole.bytes.clone();
+            bytes[from..to].iter_mut().for_each(|byte| *byte ^= 0x5A);
+            let (repaired, out) = repaired(&bytes).unwrap_or_else(|error| panic!("{from}..{to}: {error}"));
+            assert_eq!((repaired.damage.lost, repaired.damage.lost_steps), (vec![], vec![]), "{from}..{to}");
+            assert!(
+                opened(&out).unwrap().read(&Part::default(), None, &ignore).unwrap().samples
+                    == whole.volume.samples
+            );
+        }
+    }
 }
 
 #[test]

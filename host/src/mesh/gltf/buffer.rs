@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -44,16 +44,19 @@ fn named(uri: &str, buffer: &Buffer, folder: &Path) -> Result<Vec<u8>, MeshFault
         let bytes = data.and_then(|data| STANDARD.decode(data).ok());
         return bytes.ok_or_else(|| MeshFault::header("a buffer is a data uri that is no base64"));
     }
-    let path = Path::new(uri);
-    let is_beside = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if uri.contains(':') || !is_beside {
-        return Err(MeshFault::Unsupported {
-            what: format!("a buffer outside the folder, {},", excerpt(uri)),
-        });
-    }
-    read_file(&folder.join(path), buffer.byte_length as u64).map_err(|cause| {
+    let path = path(uri, folder).ok_or_else(|| MeshFault::Unsupported {
+        what: format!("a buffer outside the folder, {},", excerpt(uri)),
+    })?;
+    read_file(&path, buffer.byte_length as u64).map_err(|cause| {
         MeshFault::header(format!("the buffer {} cannot be read: {}", excerpt(uri), in_words(&cause)))
     })
+}
+
+/// The file of a buffer, unless it is none, or lies outside the folder.
+pub(super) fn path(uri: &str, folder: &Path) -> Option<PathBuf> {
+    let path = Path::new(uri);
+    let is_beside = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    (is_beside && !uri.contains(':')).then(|| folder.join(path))
 }
 
 /// The first bytes of a regular file.

@@ -11,7 +11,7 @@ mod document;
 mod scene;
 mod write;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use document::Document;
 
@@ -28,14 +28,26 @@ const BINARY: u32 = 0x004E_4942;
 
 /// Reads a text or binary file; `folder` is where buffers of their own files lie.
 pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<PolygonMesh, MeshFault> {
-    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
-    let document: Document = serde_json::from_slice(json)
-        .map_err(|cause| MeshFault::header(format!("the JSON is none of glTF: {cause}")))?;
+    let (document, binary) = parse(bytes)?;
     if let Some(extension) = document.extensions_required.first() {
         return Err(MeshFault::Unsupported { what: format!("the extension {extension:?}") });
     }
     let buffers = buffer::load(&document, binary, folder)?;
     scene::assemble(&document, &buffers, bytes.len())
+}
+
+/// The files of buffers that a text or binary file names; none if it cannot be read.
+pub(super) fn files(bytes: &[u8], folder: &Path) -> Vec<PathBuf> {
+    let buffers = parse(bytes).map(|(document, _)| document.buffers).unwrap_or_default();
+    buffers.iter().filter_map(|buffer| buffer::path(buffer.uri.as_ref()?, folder)).collect()
+}
+
+/// What a file describes, and its binary chunk.
+fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), MeshFault> {
+    let (json, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
+    let document = serde_json::from_slice(json)
+        .map_err(|cause| MeshFault::header(format!("the JSON is none of glTF: {cause}")))?;
+    Ok((document, binary))
 }
 
 /// The JSON and the binary chunk of a GLB file.

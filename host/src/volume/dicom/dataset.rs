@@ -18,14 +18,14 @@ const ALL_BYTES: u64 = 1 << 22;
 const DEPTH: u32 = 32;
 
 /// A length that is not known beforehand.
-const UNDEFINED: u32 = u32::MAX;
+pub(super) const UNDEFINED: u32 = u32::MAX;
 
 /// Group and element of a tag, as one number.
 pub(super) type Tag = u32;
 
-const ITEM: Tag = 0xFFFE_E000;
+pub(super) const ITEM: Tag = 0xFFFE_E000;
 const ITEM_END: Tag = 0xFFFE_E00D;
-const SEQUENCE_END: Tag = 0xFFFE_E0DD;
+pub(super) const SEQUENCE_END: Tag = 0xFFFE_E0DD;
 const PIXELS: Tag = 0x7FE0_0010;
 const FLOATS: Tag = 0x7FE0_0008;
 const DOUBLES: Tag = 0x7FE0_0009;

@@ -10,16 +10,16 @@ use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
 
-const SAMPLES: u32 = 0x0028_0002;
-const PHOTOMETRIC: u32 = 0x0028_0004;
-const PLANAR: u32 = 0x0028_0006;
-const FRAMES: u32 = 0x0028_0008;
-const ROWS: u32 = 0x0028_0010;
-const COLUMNS: u32 = 0x0028_0011;
-const ALLOCATED: u32 = 0x0028_0100;
-const STORED: u32 = 0x0028_0101;
-const HIGH_BIT: u32 = 0x0028_0102;
-const SIGNED: u32 = 0x0028_0103;
+pub(super) const SAMPLES: u32 = 0x0028_0002;
+pub(super) const PHOTOMETRIC: u32 = 0x0028_0004;
+pub(super) const PLANAR: u32 = 0x0028_0006;
+pub(super) const FRAMES: u32 = 0x0028_0008;
+pub(super) const ROWS: u32 = 0x0028_0010;
+pub(super) const COLUMNS: u32 = 0x0028_0011;
+pub(super) const ALLOCATED: u32 = 0x0028_0100;
+pub(super) const STORED: u32 = 0x0028_0101;
+pub(super) const HIGH_BIT: u32 = 0x0028_0102;
+pub(super) const SIGNED: u32 = 0x0028_0103;
 
 /// How the frames of a file are stored.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,13 +1,15 @@
-//! DICOM files: a folder of one series, sorted by position, or one file of one frame or many. They are read only.
+//! DICOM files: a folder of one series, sorted by position, or one file of one frame or many.
 //!
 //! Sources: DICOM PS3.3, sections C.7.6.2 (image plane) and C.7.6.3 (image pixel); PS3.5, annex G (run lengths).
 //! Stored values are kept: no rescaling, no inversion of MONOCHROME1, no palette.
 
 mod dataset;
+mod elements;
 mod frame;
 mod series;
 #[cfg(test)]
 mod tests;
+mod write;
 
 use std::path::{Path, PathBuf};
 
@@ -157,12 +159,8 @@ impl Format for Dicom {
         open_sets(&path, vec![(path.clone(), set)], Some(input))
     }
 
-    fn create(&self, path: &Path, _: &Header, _: &WriteOptions) -> Result<Created, WriteError> {
-        let what =
-            "what wavelift writes, since it knows no patient or study: write .nrrd, .mha or .nii, and let \
-                    a tool of your archive make DICOM of it"
-                .to_owned();
-        Err(WriteError::CannotHold { path: path.to_owned(), format: FileFormat::Dicom, what })
+    fn create(&self, path: &Path, header: &Header, _: &WriteOptions) -> Result<Created, WriteError> {
+        write::create(path, header)
     }
 }
 

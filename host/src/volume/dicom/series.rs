@@ -9,19 +9,19 @@ use super::{DicomError, POSITION};
 use crate::volume::error::excerpt;
 use crate::volume::{ByteOrder, FileFormat, Header, HeaderLine, Metadata};
 
-const SERIES: Tag = 0x0020_000E;
+pub(super) const SERIES: Tag = 0x0020_000E;
 const MODALITY: Tag = 0x0008_0060;
 const DESCRIPTION: Tag = 0x0008_103E;
 const INSTANCE: Tag = 0x0020_0013;
-const ORIENTATION: Tag = 0x0020_0037;
-const PIXEL_SPACING: Tag = 0x0028_0030;
-const THICKNESS: Tag = 0x0018_0050;
+pub(super) const ORIENTATION: Tag = 0x0020_0037;
+pub(super) const PIXEL_SPACING: Tag = 0x0028_0030;
+pub(super) const THICKNESS: Tag = 0x0018_0050;
 const SLICE_SPACING: Tag = 0x0018_0088;
 /// Intercept and slope: a value for each file where they differ.
-const RESCALE: [Tag; 2] = [0x0028_1052, 0x0028_1053];
+pub(super) const RESCALE: [Tag; 2] = [0x0028_1052, 0x0028_1053];
 
 /// Group of what the extent, type and order of samples say already.
-const MADE: [Tag; 12] = [
+pub(super) const MADE: [Tag; 12] = [
     0x0028_0002,
     0x0028_0006,
     0x0028_0008,
@@ -206,11 +206,13 @@ impl Series {
 
     pub(super) fn header(&self) -> Header {
         let Part { layout, set, .. } = &self.parts[0];
-        let is_slice = self.slices == 1 && self.steps == 1;
+        // Where it is known where a slice lies, it has a third axis.
+        let geometry = self.geometry();
+        let is_slice = self.slices == 1 && self.steps == 1 && geometry.is_empty();
         let mut metadata = Metadata::plain(if is_slice { 2 } else { 3 }, FileFormat::Dicom);
         metadata.source.byte_order =
             if layout.element.bytes() > 1 { layout.byte_order } else { ByteOrder::Little };
-        metadata.lines = self.geometry();
+        metadata.lines = geometry;
         metadata.lines.extend(set.elements.iter().filter_map(|(tag, value)| self.line(*tag, value)));
         for tag in RESCALE {
             let shared = set.shared.get(&tag).filter(|_| !set.elements.contains_key(&tag));
@@ -267,7 +269,7 @@ impl Series {
         let of_all = || self.parts.iter().map(|part| part.set.elements.get(&tag));
         let words = words(value, self.parts[0].set.syntax.byte_order)?;
         if of_all().all(|other| other == Some(value)) {
-            return Some(pair(tag, words));
+            return Some(HeaderLine::KeyValue { key: key(tag) + kind_of(value), value: words });
         }
         let each = || {
             of_all()
@@ -279,7 +281,22 @@ impl Series {
 }
 
 fn pair(tag: Tag, value: String) -> HeaderLine {
-    HeaderLine::KeyValue { key: format!("dicom.{:04x},{:04x}", tag >> 16, tag & 0xFFFF), value }
+    HeaderLine::KeyValue { key: key(tag), value }
+}
+
+fn key(tag: Tag) -> String {
+    format!("dicom.{:04x},{:04x}", tag >> 16, tag & 0xFFFF)
+}
+
+/// What stands behind the key of numbers that are no texts, so that they can be written again.
+fn kind_of(value: &Value) -> &'static str {
+    match &value.vr {
+        b"US" => " US",
+        b"SS" => " SS",
+        b"UL" => " UL",
+        b"SL" => " SL",
+        _ => "",
+    }
 }
 
 /// A value that is a text or numbers; others say nothing to people.

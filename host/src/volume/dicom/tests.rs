@@ -1,6 +1,6 @@
 use super::*;
-use crate::volume::Fault;
 use crate::volume::jpeg::tests::LOSSLESS;
+use crate::volume::{ElementType, Fault, Metadata};
 
 /// An element of explicit representation, little-endian.
 fn element(tag: Tag, vr: &[u8; 2], value: &[u8]) -> Vec<u8> {
@@ -74,6 +74,7 @@ fn bits_that_count_are_taken_with_their_sign() {
     let metadata = &header.metadata;
     assert_eq!(metadata.field("space directions"), Some("(0.25,0,0) (0,0.5,0) (0,0,1)"));
     assert_eq!(metadata.field("space origin"), Some("(1,2,3)"));
+    assert_eq!(metadata.geometry().unwrap().spacing(), [0.25, 0.5, 1.0]);
     assert_eq!(metadata.key_value("dicom.0028,1052"), Some("-5"));
     assert_eq!(metadata.key_value("dicom.0010,0010"), Some("Doe^Jane"));
 }
@@ -131,4 +132,114 @@ fn hostile_files_return() {
             }
         }
     }
+}
+
+/// A volume with what files of a CT say, and words of NRRD's own.
+fn volume(element: ElementType, components: u32, extent: [u64; 3]) -> (Header, Vec<u8>) {
+    let mut metadata = Metadata::plain(3, FileFormat::Nrrd);
+    for (name, value) in [
+        ("space", "left-posterior-superior"),
+        ("space directions", "(0.3,0.4,0) (0,0,-0.75) (-2,1.5,0)"),
+        ("space origin", "(-100.5,0.25,0.00001)"),
+        ("space units", "\"mm\" \"mm\" \"mm\""),
+    ] {
+        metadata.set_field(name, value);
+    }
+    for (key, value) in [
+        ("dicom.0008,0016", "1.2.840.10008.5.1.4.1.1.2"),
+        ("dicom.0008,0060", "CT"),
+        ("dicom.0010,0010", "Müller^Jane"),
+        ("dicom.0018,0050", "2.5"),
+        ("dicom.0020,000d", "1.2.3"),
+        ("dicom.0028,0120 SS", "-2000"),
+        ("dicom.0028,1052", "-1024;-1000;-976"),
+        ("dicom.0028,1053", "1"),
+        ("dicom.0011,1001", "whatever that is"),
+        ("other", "not DICOM's"),
+    ] {
+        metadata.set_key_value(key, value);
+    }
+    let header = Header { components, ..Header::scalar(extent, element, metadata) };
+    let count = header.bytes().unwrap();
+    (header, (0..count).map(|at| (at * 37 % 251) as u8).collect())
+}
+
+fn write(path: &Path, header: &Header, values: &[u8]) -> Vec<String> {
+    let Created { mut sink, losses } = crate::volume::create(path, header, &WriteOptions::default()).unwrap();
+    values.chunks(5).for_each(|part| sink.write(part).unwrap());
+    sink.finish().unwrap();
+    losses
+}
+
+fn read_path(path: &Path) -> (Header, Vec<u8>) {
+    let mut source = crate::volume::open(path, None).unwrap();
+    let mut values = vec![0; source.header().bytes().unwrap() as usize];
+    source.read(&mut values).unwrap();
+    (source.header().clone(), values)
+}
+
+#[test]
+fn what_is_written_is_read_again() {
+    for (element, components) in [
+        (ElementType::U8, 1),
+        (ElementType::I8, 1),
+        (ElementType::U16, 1),
+        (ElementType::I16, 1),
+        (ElementType::U32, 1),
+        (ElementType::I32, 1),
+        (ElementType::U8, 3),
+    ] {
+        for (name, depth) in [("s/%02d.dcm", 3), ("v.dcm", 3), ("v.dcm", 1)] {
+            let folder = tempfile::tempdir().unwrap();
+            let (header, values) = volume(element, components, [5, 3, depth]);
+            assert_eq!(write(&folder.path().join(name), &header, &values), ["1 key/value pair"]);
+            let place = folder.path().join(name.split('/').next().unwrap());
+            let (found, back) = read_path(&place);
+            assert!(back == values, "{element} {name}");
+            assert_eq!((found.extent, found.components), (header.extent, components));
+            let is =
+                |name: &str| assert_eq!(found.metadata.field(name), header.metadata.field(name), "{name}");
+            ["space", "space directions", "space origin", "space units"].into_iter().for_each(is);
+            let key = |key: &str| found.metadata.key_value(key).map(str::to_owned);
+            assert_eq!(key("dicom.0010,0010").as_deref(), Some("Müller^Jane"));
+            assert_eq!(key("dicom.0020,000d").as_deref(), Some("1.2.3"));
+            assert_eq!(key("dicom.0011,1001").as_deref(), Some("whatever that is"));
+            if name.starts_with('s') {
+                assert_eq!(key("dicom.0028,1052").as_deref(), Some("-1024;-1000;-976"));
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_of_nowhere_stay_in_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let metadata = Metadata::plain(3, FileFormat::Raw);
+    let header = Header::scalar([4, 2, 12], ElementType::U8, metadata);
+    let values: Vec<u8> = (0..96).collect();
+    assert!(write(&folder.path().join("n_%d.dcm"), &header, &values).is_empty());
+    let (found, back) = read_path(folder.path());
+    assert_eq!((found.extent, back), ([4, 2, 12], values));
+    assert_eq!(found.metadata.geometry(), None);
+    // No file is written among others of such names.
+    assert!(
+        crate::volume::create(&folder.path().join("n_%d.dcm"), &header, &WriteOptions::default()).is_err()
+    );
+}
+
+#[test]
+fn what_dicom_cannot_hold_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, header: &Header| {
+        let created = crate::volume::create(&folder.path().join(name), header, &WriteOptions::default());
+        created.map(|_| ()).unwrap_err().to_string()
+    };
+    let of = |element, extent| volume(element, 1, extent).0;
+    let scalar = |extent| Header { extent, ..of(ElementType::U8, [1; 3]) };
+    assert!(refused("a.dcm", &of(ElementType::F32, [2; 3])).contains("floating-point numbers"));
+    assert!(refused("a.dcm", &volume(ElementType::U16, 3, [2; 3]).0).contains("three of u8"));
+    assert!(refused("a.dcm", &scalar([70_000, 1, 1])).contains("65,535"));
+    assert!(refused("a.dcm", &scalar([65_535, 65_535, 2])).contains("slice_%04d.dcm"));
+    assert!(refused("a.dcm", &Header { steps: 2, ..scalar([2; 3]) }).contains("time steps"));
+    assert!(std::fs::read_dir(folder.path()).unwrap().next().is_none());
 }

@@ -38,12 +38,12 @@ impl Pattern {
     }
 
     /// The folder of the files.
-    pub(super) fn folder(&self) -> &Path {
+    pub(in crate::volume) fn folder(&self) -> &Path {
         &self.folder
     }
 
     /// Name of file `index` of `count`, counted from 0.
-    pub(super) fn name(&self, index: u64, count: u64) -> String {
+    pub(in crate::volume) fn name(&self, index: u64, count: u64) -> String {
         let digits = match self.place {
             Place::Number { digits } => digits,
             Place::Any => count.saturating_sub(1).to_string().len().max(4),
@@ -80,7 +80,7 @@ impl Pattern {
     }
 
     /// How many files of such names are there, and one of them.
-    pub(super) fn found(&self) -> Option<(usize, PathBuf)> {
+    pub(in crate::volume) fn found(&self) -> Option<(usize, PathBuf)> {
         let names = names_in(&self.folder, &self.folder).ok()?;
         let names: Vec<String> = names.into_iter().filter(|name| self.matches(name)).collect();
         Some((names.len(), self.folder.join(names.iter().min()?)))

@@ -16,7 +16,7 @@ pub(super) const LARGEST_BYTES: u64 = 1 << 30;
 const SPARE_BYTES: u64 = 1 << 26;
 
 /// Most bytes of the index of a shard.
-const INDEX_BYTES: u64 = 1 << 26;
+pub(super) const INDEX_BYTES: u64 = 1 << 26;
 
 /// What lies along an axis of an array: its place in the order time, z, y, x, component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

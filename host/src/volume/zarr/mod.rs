@@ -16,6 +16,7 @@ mod node;
 mod ome;
 mod sink;
 mod source;
+mod store;
 
 use std::path::Path;
 

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use zarrs::array::{Array, ArrayBytes, ArraySubset, CodecOptions};
-use zarrs::filesystem::FilesystemStore;
 
 use super::bounded::bound_codecs;
 use super::boxes::{canonical, copy};
-use super::layout::{LARGEST_BYTES, Layout, Role};
+use super::layout::{INDEX_BYTES, LARGEST_BYTES, Layout, Role};
 use super::node::{self, Place, multiscales};
+use super::store::Within;
 use super::{ZarrError, lines, ome};
 use crate::volume::element::reorder;
 use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, Source};
@@ -26,7 +26,7 @@ const MOST_THREADS: u64 = 256;
 
 /// An array of a Zarr folder.
 pub(super) struct ZarrSource {
-    array: Array<FilesystemStore>,
+    array: Array<Within>,
     layout: Layout,
     header: Header,
     path: PathBuf,
@@ -67,8 +67,10 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
         }));
     }
     bound_codecs();
+    // A chunk may be longer than its samples where these cannot be compressed; a shard as a whole is read for a piece.
+    let most = 2 * layout.chunk_bytes().max(MOST_PIECE_BYTES) + INDEX_BYTES;
     let array = guarded(|| {
-        let store = FilesystemStore::new(&folder).map_err(|cause| cause.to_string())?;
+        let store = Within::new(&folder, most).map_err(|cause| cause.to_string())?;
         Array::open(Arc::new(store), "/").map_err(|cause| cause.to_string())
     });
     let array = array.map_err(|cause| fault(ZarrError::Zarrs(cause)))?;

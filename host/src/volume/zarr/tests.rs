@@ -396,6 +396,32 @@ fn chunks_stay_within_their_shape() {
 }
 
 #[test]
+fn shards_stay_within_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.zarr");
+    let (header, values) = noise([5, 4, 3], 1, 1, ElementType::I16);
+    for gzip in [false, true] {
+        write(&path, &header, &values, &WriteOptions { byte_order: None, gzip });
+        let file = path.join("c/0/0/0");
+        let chunk = fs::read(&file).unwrap();
+        shard(&path, &chunk);
+        assert_eq!(values_of(&path).unwrap().1, values);
+        let len = chunk.len() as u64;
+        // From a byte too many to what no machine has, at places within the file and behind it.
+        let lengths = [len + 17, 1 << 32, 1 << 46, 1 << 62, u64::MAX - 1];
+        for (offset, length) in [0, 1, len, 1 << 46, u64::MAX - 1]
+            .into_iter()
+            .flat_map(|offset| lengths.map(|length| (offset, length)))
+            .chain([(len + 16, len), (u64::MAX - len + 1, len)])
+        {
+            let table = [offset, length].map(u64::to_le_bytes).concat();
+            fs::write(&file, [&chunk[..], &table].concat()).unwrap();
+            assert_ne!(message(&path), "no error", "{offset} {length}");
+        }
+    }
+}
+
+#[test]
 fn pieces_are_as_small_as_asked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.zarr");

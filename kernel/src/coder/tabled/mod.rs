@@ -323,8 +323,12 @@ mod tests {
             [5, 1, 4000],
             [3, 2, 4096],
         ] {
-            for amplitude in [1, 7, 300] {
-                let samples = waves(axes, amplitude);
+            // Where each memory access is looked at, one of each kind has to do.
+            if cfg!(miri) && axes[1] != 31 {
+                continue;
+            }
+            for amplitude in if cfg!(miri) { &[7][..] } else { &[1, 7, 300] } {
+                let samples = waves(axes, *amplitude);
                 for (effort, storage) in [(Effort::Tabled, 3), (Effort::Wide(&mut { Training::NEW }), 4)] {
                     let bytes = encode_with(effort, axes, SampleType::I16, &samples);
                     assert_eq!(bytes[STORAGE], storage);
@@ -369,7 +373,7 @@ mod tests {
         let samples = waves([16, 32, 32], 5);
         let bytes = encode([16, 32, 32], SampleType::I16, &samples);
         let segment = Header::parse(&bytes).unwrap().header_len();
-        for at in segment..bytes.len() {
+        for at in (segment..bytes.len()).step_by(if cfg!(miri) { bytes.len() / 2 } else { 1 }) {
             for flip in [1, 0x80, 0xFF] {
                 let mut damaged = bytes.clone();
                 damaged[at] ^= flip;

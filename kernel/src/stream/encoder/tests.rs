@@ -62,10 +62,12 @@ const LEVELS_TRIED: usize = 8;
 
 #[test]
 fn coefficients_are_those_of_the_whole_slice() {
-    const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33];
+    const SIDES: &[u32] = if cfg!(miri) { &[1, 5, 9] } else { &[1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33] };
     let mut scratch = samples(1024);
     for wavelet in Wavelet::ALL {
-        for (width, height) in SIDES.into_iter().flat_map(|width| SIDES.map(|height| (width, height))) {
+        for (width, height) in
+            SIDES.iter().flat_map(|&width| SIDES.iter().map(move |&height| (width, height)))
+        {
             let extent = Extent::slice(width, height).unwrap();
             // One level more than there are changes nothing.
             for levels in 0..=extent.max_levels() + 1 {

@@ -35,7 +35,7 @@ fn header(bytes: &[u8]) -> Result<Header, Reject> {
         }
     }
     match fields.byte()? {
-        1 => {}
+        2 => {}
         found => return Err(Reject::UnsupportedVersion { found }),
     }
     if fields.byte()? != 0 {
@@ -91,8 +91,8 @@ struct Level {
 /// What is known of a stream.
 #[derive(Debug)]
 struct Known {
-    /// For orientation 3, and for all others.
-    models: [Models; 2],
+    /// Of level 0 for orientation 3, and for its others; for all else.
+    models: [Models; 3],
     levels: Vec<Level>,
     low: Band,
 }
@@ -119,7 +119,7 @@ pub fn decode(bytes: &[u8]) -> Result<(Slice, &[u8]), Reject> {
     let header = header(bytes)?;
     let mut rest = &bytes[header.bytes..];
     let mut known = Known {
-        models: [Models::new(), Models::new()],
+        models: [Models::new(), Models::new(), Models::new()],
         levels: (0..header.levels).map(|_| Level::default()).collect(),
         low: Band::default(),
     };
@@ -185,7 +185,11 @@ impl Reader<'_> {
                     beside.map(|value| 3 * u64::from(value.unsigned_abs().min(1 << 25))).sum()
                 })
                 .collect();
-            let models = usize::from(orientation != 3);
+            let models = match (level, orientation) {
+                (0, 3) => 0,
+                (0, _) => 1,
+                _ => 2,
+            };
             let band = band.read(&mut self.from, &mut self.known.models[models], &hints, |_, _| 0);
             self.known.levels[level].details[orientation - 1] = band;
         }
@@ -196,7 +200,7 @@ impl Reader<'_> {
     fn low_row(&mut self) {
         let width = ceil_shift([self.header.width, 1, 1], self.known.levels.len())[0];
         let low = std::mem::take(&mut self.known.low);
-        self.known.low = low.read(&mut self.from, &mut self.known.models[1], &vec![0; width], in_plane);
+        self.known.low = low.read(&mut self.from, &mut self.known.models[2], &vec![0; width], in_plane);
     }
 }
 
