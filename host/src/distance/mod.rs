@@ -180,16 +180,16 @@ impl<'a> Work<'a> {
         self.surface.spacing.as_vec3().to_array()
     }
 
-    /// Seeds nodes and hands points on; meanwhile, triangles find their neighbours.
+    /// Seeds nodes and hands points on.
     fn spread(&self) -> Result<(Spread, Vec<Facet>), DistanceError> {
-        let (spread, facets) = rayon::join(|| self.points(), || self.surface.facets());
-        Ok((spread?, facets))
+        let facets = self.surface.facets();
+        Ok((self.points(&facets)?, facets))
     }
 
-    fn points(&self) -> Result<Spread, DistanceError> {
+    fn points(&self, facets: &[Facet]) -> Result<Spread, DistanceError> {
         let slab = self.options.slab.max(1);
         let Self { surface, grid, margin, .. } = self;
-        let mut rows = Seeding { surface, grid, slab, margin: *margin }.run();
+        let mut rows = Seeding { surface, facets, grid, slab, margin: *margin }.run();
         let seeds = rows.taken();
         if seeds == 0 {
             return Err(DistanceError::NoSurface);

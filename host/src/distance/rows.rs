@@ -109,15 +109,39 @@ pub(super) fn load(numbers: &[f32], first: usize) -> f32x8 {
     f32x8::new(*numbers[first..].first_chunk().expect("rows end with room for a vector"))
 }
 
+/// Eight numbers of many, and one on either side.
+#[inline(always)]
+pub(super) fn window_of(numbers: &[f32], first: usize) -> &[f32; LANES + 2] {
+    numbers[first..].first_chunk().expect("rows end with room for a vector")
+}
+
 impl<'a> Row<'a> {
     /// The numbers of the nodes from `first` - 1 to `first` + 8.
     #[inline(always)]
     pub(super) fn window(self, first: usize) -> [&'a [f32; LANES + 2]; 4] {
         let stride = self.0.len() / 4;
-        let part = |part: usize| -> &'a [f32; LANES + 2] {
-            self.0[part * stride + first..].first_chunk().expect("rows end with room for a vector")
-        };
+        let part = |part: usize| window_of(self.0, part * stride + first);
         [part(0), part(1), part(2), part(3)]
+    }
+
+    /// How far the points of all nodes are from them, squared.
+    pub(super) fn squares(self, step: f32, others: [f32; 2], squares: &mut Vec<f32>) {
+        squares.clear();
+        for first in (0..self.0.len() / 4 - LANES).step_by(LANES) {
+            let squared = squared(&nodes(first, step, others), &points(self.window(first), 1));
+            squares.extend_from_slice(squared.as_array());
+        }
+    }
+
+    /// How far each point is beside the line through given coordinates along the row, squared.
+    pub(super) fn beside(self, others: [f32; 2], squares: &mut Vec<f32>) {
+        let stride = self.0.len() / 4;
+        let (second, third) = (&self.0[stride..2 * stride], &self.0[2 * stride..3 * stride]);
+        squares.clear();
+        squares.extend(second.iter().zip(third).map(|(second, third)| {
+            let (second, third) = (second - others[0], third - others[1]);
+            second * second + third * third
+        }));
     }
 
     /// The triangle of each node.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 use super::lanes::LANES;
-use super::rows::{Row, load, nodes, points, squared, store};
+use super::rows::{Row, load, nodes, points, squared, store, window_of};
 
 /// Planes of rows, and where they lie.
 pub(super) struct Planes<'a> {
@@ -59,25 +59,18 @@ impl<'a> Planes<'a> {
         let batch = theirs.len().div_ceil(rayon::current_num_threads());
         let rows = mine.par_iter_mut().enumerate().with_min_len(batch);
         let (apart, second, reach, step) = (self.apart, self.second, self.reach, self.step);
-        rows.map(|(number, row)| {
+        rows.map_init(Beside::default, |beside, (number, row)| {
             let near = [number.saturating_sub(1), number, (number + 1).min(last)];
             let mut others = [plane as f32 * apart[0], number as f32 * apart[1]];
             if second == 1 {
                 others.reverse();
             }
-            take(row, near.map(|near| Row(theirs[near])), Place { step, others, reach })
+            let from = [Row(theirs[near[0]]), Row(theirs[near[1]]), Row(theirs[near[2]])];
+            beside.take(row, from, Place { step, others, reach })
         })
         .sum()
     }
 }
-
-/// Numbers of the nine nodes that a node looks at, and of itself.
-const PLACES: [[f32x8; 3]; 3] = [
-    [f32x8::splat(0.0), f32x8::splat(1.0), f32x8::splat(2.0)],
-    [f32x8::splat(3.0), f32x8::splat(4.0), f32x8::splat(5.0)],
-    [f32x8::splat(6.0), f32x8::splat(7.0), f32x8::splat(8.0)],
-];
-const OWN: f32x8 = f32x8::splat(9.0);
 
 /// Where a row lies.
 #[derive(Clone, Copy)]
@@ -87,42 +80,59 @@ struct Place {
     reach: f32,
 }
 
-/// The nodes of a row look at those of three others. Returns how many took another point.
-///
-/// In most sweeps most nodes take none, so that distances alone are looked at first.
-fn take(row: &mut [f32], from: [Row<'_>; 3], place: Place) -> u64 {
-    let mut taken = 0;
-    for first in (0..row.len() / 4 - LANES).step_by(LANES) {
-        let nodes = nodes(first, place.step, place.others);
-        let own = Row(row).window(first);
-        let before = squared(&nodes, &points(own, 1)).fast_min(f32x8::splat(place.reach));
-        let windows = [from[0].window(first), from[1].window(first), from[2].window(first)];
-        let (mut least, mut which) = (before, OWN);
-        for (window, places) in windows.into_iter().zip(PLACES) {
-            for (shift, place) in places.into_iter().enumerate() {
-                let offered = squared(&nodes, &points(window, shift));
-                let nearer = offered.simd_lt(least);
-                least = nearer.select(offered, least);
-                which = nearer.select(place, which);
-            }
+/// Squares that are computed for a whole row at once.
+#[derive(Debug, Default)]
+struct Beside {
+    /// Distance of each node from its own point.
+    own: Vec<f32>,
+    /// How far the points of three rows are beside a fourth row: all nodes of that row that look at a point share this part
+    /// of their distance from it.
+    beside: [Vec<f32>; 3],
+}
+
+impl Beside {
+    /// The nodes of a row look at those of three others. Returns how many took another point.
+    ///
+    /// In most sweeps most nodes take none, so that distances alone are looked at first.
+    fn take(&mut self, row: &mut [f32], from: [Row<'_>; 3], place: Place) -> u64 {
+        Row(row).squares(place.step, place.others, &mut self.own);
+        for (beside, from) in self.beside.iter_mut().zip(from) {
+            from.beside(place.others, beside);
         }
-        let nearer = which.simd_ne(OWN).to_bitmask();
-        if nearer == 0 {
-            continue;
-        }
-        taken += u64::from(nearer.count_ones());
-        let (mut nearest, mut triangles) = (points(own, 1), load(own[3], 1));
-        for (window, places) in windows.into_iter().zip(PLACES) {
-            for (shift, place) in places.into_iter().enumerate() {
-                let here = which.simd_eq(place);
-                let theirs = points(window, shift);
-                for axis in 0..3 {
-                    nearest[axis] = here.select(theirs[axis], nearest[axis]);
+        let mut taken = 0;
+        for first in (0..row.len() / 4 - LANES).step_by(LANES) {
+            let nodes = nodes(first, place.step, place.others);
+            let windows = [from[0].window(first), from[1].window(first), from[2].window(first)];
+            let mut least = f32x8::splat(place.reach);
+            let mut offers = [[least; 3]; 3];
+            for (offers, (window, beside)) in offers.iter_mut().zip(windows.into_iter().zip(&self.beside)) {
+                let beside: &[f32; LANES + 2] = window_of(beside, first);
+                for (shift, offer) in offers.iter_mut().enumerate() {
+                    let along = load(window[0], shift) - nodes[0];
+                    *offer = along * along + load(beside, shift);
+                    least = least.fast_min(*offer);
                 }
-                triangles = here.select(load(window[3], shift), triangles);
             }
+            let nearer = least.simd_lt(load(&self.own, first).fast_min(f32x8::splat(place.reach)));
+            let which = nearer.to_bitmask();
+            if which == 0 {
+                continue;
+            }
+            taken += u64::from(which.count_ones());
+            let own = Row(row).window(first);
+            let (mut nearest, mut triangles) = (points(own, 1), load(own[3], 1));
+            for (offers, window) in offers.into_iter().zip(windows).rev() {
+                for (shift, offer) in offers.into_iter().enumerate().rev() {
+                    let here = nearer & offer.simd_eq(least);
+                    let theirs = points(window, shift);
+                    for axis in 0..3 {
+                        nearest[axis] = here.select(theirs[axis], nearest[axis]);
+                    }
+                    triangles = here.select(load(window[3], shift), triangles);
+                }
+            }
+            store(row, first, &nearest, triangles);
         }
-        store(row, first, &nearest, triangles);
+        taken
     }
-    taken
 }

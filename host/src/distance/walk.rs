@@ -154,7 +154,7 @@ impl<'a> Walk<'a> {
         let from = [places, f32x8::splat(self.others[0]), f32x8::splat(self.others[1])];
         let (triangles, across) = Facet::gather(facets);
         let feet = triangles.feet(&from);
-        let found = feet.squared().to_array();
+        let found = feet.squared.to_array();
         let from = f32x8::new(std::array::from_fn(|at| f32::from_bits(lane(at).from)));
         let next = feet.across(across, from).to_array();
         for (at, step) in steps.iter().enumerate() {
