@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 use super::lanes::LANES;
-use super::rows::{Row, load, nodes, points, squared, store, window_of};
+use super::rows::{Row, load, nodes, points, store, window_of};
 
 /// Planes of rows, and where they lie.
 pub(super) struct Planes<'a> {

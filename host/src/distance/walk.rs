@@ -2,12 +2,12 @@
 
 use wide::f32x8;
 
-use super::lanes::LANES;
+use super::lanes::{LANES, Points};
 use super::rows::{Row, load, nodes, points, squared};
 use super::surface::{Facet, NONE};
 
-/// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is nearest in
-/// itself there is no end.
+/// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is
+/// nearest in itself there is no end.
 const STEPS: usize = 6;
 
 /// Squared distance, in squares of cells' edges, beyond which points may lie on different parts of the surface.
@@ -17,19 +17,15 @@ const APART: f32 = 0.25;
 /// nodes.
 const BESIDE: f32 = 1.4;
 
+/// How much farther than the nearest point so far a walk on another part of the surface may lead, squared, in squares of
+/// cells' edges: there it may be on its way to a nearer one.
+const DETOUR: f32 = 0.25;
+
 /// Squared distance that no node has from a point.
 const NOWHERE: f32 = 1e30;
 
-/// A node on its way.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    node: u32,
-    triangle: u32,
-    /// Where it came from.
-    from: u32,
-    /// Squared distance there.
-    squared: f32,
-}
+/// A node on its way: which node, which triangle it looks at next, and which one it comes from.
+type Step = [u32; 3];
 
 /// The nodes of a row, and their nearest points so far.
 #[derive(Debug)]
@@ -45,7 +41,7 @@ pub(super) struct Walk<'a> {
     others: [f32; 2],
     /// Squared distance of each node, and of some beyond the last.
     pub(super) squared: Vec<f32>,
-    /// The triangle of each node.
+    /// The triangle of each node, and of some beyond the last.
     pub(super) triangles: Vec<u32>,
     queue: Vec<Step>,
     next: Vec<Step>,
@@ -55,17 +51,15 @@ impl<'a> Walk<'a> {
     /// A walk in a grid whose nodes are `spacing` apart.
     pub(super) fn new(facets: &'a [Facet], spacing: [f32; 3]) -> Self {
         let near = spacing[0].min(spacing[1]).min(spacing[2]);
-        let near = near * near;
         let far = spacing[0].max(spacing[1]).max(spacing[2]);
-        let (squared, triangles) = (Vec::new(), Vec::new());
         Self {
             facets,
             step: spacing[0],
-            near,
+            near: near * near,
             slack: BESIDE * far * far,
             others: [0.0; 2],
-            squared,
-            triangles,
+            squared: Vec::new(),
+            triangles: Vec::new(),
             queue: Vec::new(),
             next: Vec::new(),
         }
@@ -79,63 +73,84 @@ impl<'a> Walk<'a> {
     pub(super) fn run(&mut self, row: Row<'_>, count: usize, others: [f32; 2], neighbours: &[Row<'_>]) {
         self.others = others;
         self.triangles.clear();
-        self.triangles.extend(row.triangles(count));
-        self.squared.clear();
+        self.triangles.extend(row.triangles(count.next_multiple_of(LANES)));
+        row.squares(self.step, others, &mut self.squared);
         for first in (0..count).step_by(LANES) {
-            let squared = squared(&nodes(first, self.step, others), &points(row.window(first), 1));
-            self.squared.extend_from_slice(squared.as_array());
+            self.start(first);
         }
-        for node in 0..count {
-            if self.squared[node] > self.near && self.triangles[node] != NONE {
-                self.start(node, self.triangles[node]);
-            }
-        }
-        self.go();
+        self.go(STEPS - 1, 0.0);
         for first in (0..count).step_by(LANES) {
-            self.chances(row, first, count, neighbours);
+            self.chances(row, first, neighbours);
         }
-        self.go();
+        self.go(STEPS, DETOUR);
     }
 
-    fn start(&mut self, node: usize, triangle: u32) {
-        self.queue.push(Step { node: node as u32, triangle, from: NONE, squared: f32::INFINITY });
+    /// Looks at the triangles of the points of eight nodes.
+    fn start(&mut self, first: usize) {
+        let before = load(&self.squared, first);
+        let goes = self.may_go(before);
+        let going = goes.to_bitmask();
+        if going == 0 {
+            return;
+        }
+        let own: [u32; LANES] = *self.triangles[first..].first_chunk().expect("rows of vectors");
+        // Nodes that stay look at the triangle of one that goes.
+        let any = own[going.trailing_zeros() as usize];
+        let triangles = std::array::from_fn(|lane| if going >> lane & 1 == 1 { own[lane] } else { any });
+        let from = nodes(first, self.step, self.others);
+        let (found, next) = self.look(&triangles, &from, f32x8::splat(f32::from_bits(NONE)));
+        let on = goes & found.simd_le(before) & next.simd_eq(next);
+        let found = goes.select(found.fast_min(before), before);
+        self.squared[first..][..LANES].copy_from_slice(found.as_array());
+        for lane in ones(on.to_bitmask()) {
+            self.queue.push([(first + lane) as u32, next.as_array()[lane].to_bits(), own[lane]]);
+        }
+    }
+
+    /// Nodes that have a point, and not an exact one.
+    #[inline(always)]
+    fn may_go(&self, squared: f32x8) -> f32x8 {
+        squared.simd_gt(f32x8::splat(self.near)) & squared.simd_lt(f32x8::splat(NOWHERE))
     }
 
     /// Starts walks from those neighbours' points that may be nearer than a node's own, and are nearer than those looked at
     /// before.
-    fn chances(&mut self, row: Row<'_>, first: usize, count: usize, neighbours: &[Row<'_>]) {
-        let window = row.window(first);
-        let places = nodes(first, self.step, self.others);
-        let (own, best) = (points(window, 1), load(&self.squared, first));
-        let may = best.simd_gt(f32x8::splat(self.near)) & best.simd_lt(f32x8::splat(NOWHERE));
+    fn chances(&mut self, row: Row<'_>, first: usize, neighbours: &[Row<'_>]) {
+        let best = load(&self.squared, first);
+        let may = self.may_go(best);
         if may.none() {
             return;
         }
+        let window = row.window(first);
+        let (places, own) = (nodes(first, self.step, self.others), points(window, 1));
         let apart = f32x8::splat(APART);
         let mut least = best + self.slack;
-        let sides = [(window, 0), (window, 2)].into_iter();
-        for (window, shift) in sides.chain(neighbours.iter().map(|row| (row.window(first), 1))) {
+        let mut look = |window: [&[f32; LANES + 2]; 4], shift: usize| {
             let theirs = points(window, shift);
             let offered = squared(&places, &theirs);
             let better = may & offered.simd_lt(least) & squared(&own, &theirs).simd_gt(apart);
             least = better.select(offered, least);
-            let mut chances = better.to_bitmask();
-            while chances != 0 {
-                let lane = chances.trailing_zeros() as usize;
-                chances &= chances - 1;
-                if first + lane < count {
-                    self.start(first + lane, window[3][lane + shift].to_bits());
+            for lane in ones(better.to_bitmask()) {
+                let triangle = window[3][lane + shift].to_bits();
+                if triangle != self.triangles[first + lane] {
+                    self.queue.push([(first + lane) as u32, triangle, NONE]);
                 }
             }
+        };
+        look(window, 0);
+        look(window, 2);
+        for neighbour in neighbours {
+            look(neighbour.window(first), 1);
         }
     }
 
-    /// Lets all walks come to their end.
-    fn go(&mut self) {
-        for _ in 0..STEPS {
+    /// Lets all walks come to their end, but for what is more than some steps away. A walk goes on while it is at most by
+    /// `detour` farther than the nearest point so far, squared.
+    fn go(&mut self, steps: usize, detour: f32) {
+        for _ in 0..steps {
             let queue = std::mem::take(&mut self.queue);
             for steps in queue.chunks(LANES) {
-                self.step(steps);
+                self.step(steps, detour);
             }
             self.queue = std::mem::replace(&mut self.next, queue);
             self.next.clear();
@@ -147,26 +162,45 @@ impl<'a> Walk<'a> {
     }
 
     /// Looks at a triangle for each of up to eight nodes.
-    fn step(&mut self, steps: &[Step]) {
-        let lane = |lane: usize| steps[lane.min(steps.len() - 1)];
-        let facets = std::array::from_fn(|at| &self.facets[lane(at).triangle as usize]);
-        let places = f32x8::new(std::array::from_fn(|at| lane(at).node as f32)) * self.step;
+    fn step(&mut self, steps: &[Step], detour: f32) {
+        let lanes: [Step; LANES] = std::array::from_fn(|lane| steps[lane.min(steps.len() - 1)]);
+        let places = f32x8::new(lanes.map(|[node, ..]| node as f32)) * self.step;
         let from = [places, f32x8::splat(self.others[0]), f32x8::splat(self.others[1])];
-        let (triangles, across) = Facet::gather(facets);
-        let feet = triangles.feet(&from);
-        let found = feet.squared.to_array();
-        let from = f32x8::new(std::array::from_fn(|at| f32::from_bits(lane(at).from)));
-        let next = feet.across(across, from).to_array();
-        for (at, step) in steps.iter().enumerate() {
-            // Selections instead of branches, which nobody could foretell.
-            let (squared, node) = (found[at], step.node as usize);
-            let (nearest, triangle) = (&mut self.squared[node], &mut self.triangles[node]);
-            let nearer = squared < *nearest;
-            *triangle = if nearer { step.triangle } else { *triangle };
-            *nearest = if nearer { squared } else { *nearest };
-            let goes_on = !next[at].is_nan() & (squared <= step.squared);
-            self.next.push(Step { triangle: next[at].to_bits(), from: step.triangle, squared, ..*step });
-            self.next.truncate(self.next.len() - usize::from(!goes_on));
+        let before = f32x8::new(lanes.map(|[node, ..]| self.squared[node as usize]));
+        let not = f32x8::new(lanes.map(|[.., from]| f32::from_bits(from)));
+        let (found, next) = self.look(&lanes.map(|[_, triangle, _]| triangle), &from, not);
+        let all = (1 << steps.len()) - 1;
+        for lane in ones(found.simd_lt(before).to_bitmask() & all) {
+            let ([node, triangle, _], found) = (lanes[lane], found.as_array()[lane]);
+            // Another walk of the node may have been here before.
+            if found < self.squared[node as usize] {
+                self.squared[node as usize] = found;
+                self.triangles[node as usize] = triangle;
+            }
+        }
+        let on = found.simd_le(before + detour) & next.simd_eq(next);
+        for lane in ones(on.to_bitmask() & all) {
+            let [node, triangle, _] = lanes[lane];
+            self.next.push([node, next.as_array()[lane].to_bits(), triangle]);
         }
     }
+
+    /// Squared distances of eight points from a triangle each, and the triangles across the side that is nearest, as bits,
+    /// but not those that are `not` wanted: no number where there is none.
+    #[inline(always)]
+    fn look(&self, triangles: &[u32; LANES], from: &Points, not: f32x8) -> (f32x8, f32x8) {
+        let facets = std::array::from_fn(|lane| &self.facets[triangles[lane] as usize]);
+        let (triangles, across) = Facet::gather(facets);
+        let feet = triangles.feet(from);
+        (feet.squared, feet.across(across, not))
+    }
+}
+
+/// Places of the set bits, in ascending order.
+fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < LANES).then_some(place)
+    })
 }
