@@ -46,6 +46,9 @@ use walk::Walk;
 /// have neighbours on both sides which know where they are.
 const TOUCH: f64 = 1e-6;
 
+/// Planes whose rows walk beside each other.
+const BESIDE: usize = 8;
+
 /// What may be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -216,7 +219,10 @@ impl<'a> Work<'a> {
         let (limit, edge) = (self.options.limit as f32, self.grid.cell_edge() as f32);
         let spacing = self.spacing();
         let mut values = vec![0.0_f32; self.grid.len()];
-        let rows = values.par_chunks_mut(width).enumerate().with_min_len(16);
+        let mut rows: Vec<_> = values.chunks_mut(width).enumerate().collect();
+        // Rows of a few planes follow each other, as they are near the same triangles.
+        rows.sort_by_key(|(number, _)| (number / height / BESIDE, number % height));
+        let rows = rows.into_par_iter().with_min_len(BESIDE * 4);
         rows.for_each_init(
             || Walk::new(facets, spacing),
             |walk, (number, values)| {
