@@ -1,6 +1,6 @@
 //! Walks over neighbouring triangles to the nearest points of a row of nodes.
 
-use wide::f32x8;
+use wide::{f32x8, i32x8};
 
 use super::lanes::{LANES, Points};
 use super::rows::{Row, load, nodes, points, squared};
@@ -24,9 +24,6 @@ const DETOUR: f32 = 0.25;
 /// Squared distance that no node has from a point.
 const NOWHERE: f32 = 1e30;
 
-/// A node on its way: which node, which triangle it looks at next, and which one it comes from.
-type Step = [u32; 3];
-
 /// The nodes of a row, and their nearest points so far.
 #[derive(Debug)]
 pub(super) struct Walk<'a> {
@@ -43,8 +40,35 @@ pub(super) struct Walk<'a> {
     pub(super) squared: Vec<f32>,
     /// The triangle of each node, and of some beyond the last.
     pub(super) triangles: Vec<u32>,
-    queue: Vec<Step>,
-    next: Vec<Step>,
+    queue: Queue,
+    next: Queue,
+}
+
+/// A node on its way.
+struct Step {
+    node: u32,
+    /// What it looks at next.
+    triangle: u32,
+    /// Where it comes from.
+    from: u32,
+    /// Squared distance to the nearest point so far.
+    best: f32,
+}
+
+/// Eight nodes on their way; triangles that they come from as bits.
+#[derive(Debug, Default)]
+struct Steps {
+    nodes: [i32; LANES],
+    triangles: [u32; LANES],
+    from: [f32; LANES],
+    best: [f32; LANES],
+}
+
+/// Nodes on their way; those beyond the length are left over.
+#[derive(Debug, Default)]
+struct Queue {
+    steps: Vec<Steps>,
+    length: usize,
 }
 
 impl<'a> Walk<'a> {
@@ -60,8 +84,8 @@ impl<'a> Walk<'a> {
             others: [0.0; 2],
             squared: Vec::new(),
             triangles: Vec::new(),
-            queue: Vec::new(),
-            next: Vec::new(),
+            queue: Queue::default(),
+            next: Queue::default(),
         }
     }
 
@@ -103,7 +127,9 @@ impl<'a> Walk<'a> {
         let found = goes.select(found.fast_min(before), before);
         self.squared[first..][..LANES].copy_from_slice(found.as_array());
         for lane in ones(on.to_bitmask()) {
-            self.queue.push([(first + lane) as u32, next.as_array()[lane].to_bits(), own[lane]]);
+            let triangle = next.as_array()[lane].to_bits();
+            let (node, from, best) = ((first + lane) as u32, own[lane], found.as_array()[lane]);
+            self.queue.push(Step { node, triangle, from, best });
         }
     }
 
@@ -133,7 +159,8 @@ impl<'a> Walk<'a> {
             for lane in ones(better.to_bitmask()) {
                 let triangle = window[3][lane + shift].to_bits();
                 if triangle != self.triangles[first + lane] {
-                    self.queue.push([(first + lane) as u32, triangle, NONE]);
+                    let (node, best) = ((first + lane) as u32, best.as_array()[lane]);
+                    self.queue.push(Step { node, triangle, from: NONE, best });
                 }
             }
         };
@@ -148,40 +175,43 @@ impl<'a> Walk<'a> {
     /// `detour` farther than the nearest point so far, squared.
     fn go(&mut self, steps: usize, detour: f32) {
         for _ in 0..steps {
-            let queue = std::mem::take(&mut self.queue);
-            for steps in queue.chunks(LANES) {
-                self.step(steps, detour);
-            }
-            self.queue = std::mem::replace(&mut self.next, queue);
-            self.next.clear();
-            if self.queue.is_empty() {
+            if self.queue.length == 0 {
                 break;
             }
+            let queue = std::mem::take(&mut self.queue);
+            for first in (0..queue.length).step_by(LANES) {
+                self.step(&queue.steps[first / LANES], queue.length - first, detour);
+            }
+            self.queue = std::mem::replace(&mut self.next, queue);
+            self.next.length = 0;
         }
-        self.queue.clear();
+        self.queue.length = 0;
     }
 
     /// Looks at a triangle for each of up to eight nodes.
-    fn step(&mut self, steps: &[Step], detour: f32) {
-        let lanes: [Step; LANES] = std::array::from_fn(|lane| steps[lane.min(steps.len() - 1)]);
-        let places = f32x8::new(lanes.map(|[node, ..]| node as f32)) * self.step;
+    fn step(&mut self, steps: &Steps, count: usize, detour: f32) {
+        let places = f32x8::from_i32x8(i32x8::new(steps.nodes)) * self.step;
         let from = [places, f32x8::splat(self.others[0]), f32x8::splat(self.others[1])];
-        let before = f32x8::new(lanes.map(|[node, ..]| self.squared[node as usize]));
-        let not = f32x8::new(lanes.map(|[.., from]| f32::from_bits(from)));
-        let (found, next) = self.look(&lanes.map(|[_, triangle, _]| triangle), &from, not);
-        let all = (1 << steps.len()) - 1;
+        let before = f32x8::new(steps.best);
+        let (found, next) = self.look(&steps.triangles, &from, f32x8::new(steps.from));
+        let all = if count < LANES { (1 << count) - 1 } else { u32::MAX };
         for lane in ones(found.simd_lt(before).to_bitmask() & all) {
-            let ([node, triangle, _], found) = (lanes[lane], found.as_array()[lane]);
-            // Another walk of the node may have been here before.
-            if found < self.squared[node as usize] {
-                self.squared[node as usize] = found;
-                self.triangles[node as usize] = triangle;
+            let (node, found) = (steps.nodes[lane] as usize, found.as_array()[lane]);
+            // Another walk of the node may have been nearer.
+            if found < self.squared[node] {
+                self.squared[node] = found;
+                self.triangles[node] = steps.triangles[lane];
             }
         }
         let on = found.simd_le(before + detour) & next.simd_eq(next);
+        let best = found.fast_min(before);
         for lane in ones(on.to_bitmask() & all) {
-            let [node, triangle, _] = lanes[lane];
-            self.next.push([node, next.as_array()[lane].to_bits(), triangle]);
+            self.next.push(Step {
+                node: steps.nodes[lane] as u32,
+                triangle: next.as_array()[lane].to_bits(),
+                from: steps.triangles[lane],
+                best: best.as_array()[lane],
+            });
         }
     }
 
@@ -193,6 +223,22 @@ impl<'a> Walk<'a> {
         let (triangles, across) = Facet::gather(facets);
         let feet = triangles.feet(from);
         (feet.squared, feet.across(across, not))
+    }
+}
+
+impl Queue {
+    #[inline(always)]
+    fn push(&mut self, step: Step) {
+        let (at, lane) = (self.length / LANES, self.length % LANES);
+        if at == self.steps.len() {
+            self.steps.push(Steps::default());
+        }
+        let steps = &mut self.steps[at];
+        steps.nodes[lane] = step.node as i32;
+        steps.triangles[lane] = step.triangle;
+        steps.from[lane] = f32::from_bits(step.from);
+        steps.best[lane] = step.best;
+        self.length += 1;
     }
 }
 
