@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use crate::field::{Grid, ScalarField};
 use crate::isosurface::{ContourError, contour};
 use crate::mesh::{Point, TriangleMesh};
-use rows::{Row, Rows};
+use rows::{Rows, Ruler};
 use seed::Seeding;
 use sign::{Normals, Signs};
 use surface::{Facet, Surface};
@@ -192,39 +192,45 @@ impl<'a> Work<'a> {
     fn points(&self, facets: &[Facet]) -> Result<Spread, DistanceError> {
         let slab = self.options.slab.max(1);
         let Self { surface, grid, margin, .. } = self;
-        let mut rows = Seeding { surface, facets, grid, slab, margin: *margin }.run();
+        let ruler = self.ruler();
+        let mut rows = Seeding { surface, facets, grid, ruler, slab, margin: *margin }.run();
         let seeds = rows.taken();
         if seeds == 0 {
             return Err(DistanceError::NoSurface);
         }
         let [width, height, depth] = grid.extent;
-        let [x, y, z] = self.spacing();
         // Points may come from a little beyond the limit, as walks bring them nearer.
-        let reach = (self.options.limit / grid.cell_edge() + surface.spacing.length()) as f32;
-        let reach = reach * reach;
+        let reach = (self.options.limit / grid.cell_edge() + surface.spacing.length()) as f32 * ruler.marks;
+        let near = surface.spacing.min_element() as f32 * ruler.marks;
+        let [reach, near] = [reach * reach, near * near];
         let mut updates = seeds as u64;
         let planes = Planes::arrange(rows.all_mut(), width, true);
-        updates += Planes { rows: planes, step: y, apart: [x, z], second: 0, reach }.sweep();
+        updates += Planes { rows: planes, axes: [1, 2, 0], ruler, reach, near }.sweep();
         let mut rows = rows.turned();
         let planes = Planes::arrange(rows.all_mut(), height, true);
-        updates += Planes { rows: planes, step: x, apart: [y, z], second: 0, reach }.sweep();
+        updates += Planes { rows: planes, axes: [0, 2, 1], ruler, reach, near }.sweep();
         let planes = Planes::arrange(rows.all_mut(), depth, false);
-        updates += Planes { rows: planes, step: x, apart: [z, y], second: 1, reach }.sweep();
+        updates += Planes { rows: planes, axes: [0, 1, 2], ruler, reach, near }.sweep();
         Ok(Spread { rows, seeds, updates })
+    }
+
+    /// Seeds have points at most the diagonal of a cell away.
+    fn ruler(&self) -> Ruler {
+        Ruler::new(self.grid.extent, self.spacing(), 1.01 * self.surface.spacing.length() as f32)
     }
 
     /// Lets all nodes walk, and gives distances their signs.
     fn finish(&self, spread: &Spread, facets: &[Facet], signs: &Signs) -> Distance {
         let [width, height, depth] = self.grid.extent;
         let (limit, edge) = (self.options.limit as f32, self.grid.cell_edge() as f32);
-        let spacing = self.spacing();
+        let ruler = self.ruler();
         let mut values = vec![0.0_f32; self.grid.len()];
         let mut rows: Vec<_> = values.chunks_mut(width).enumerate().collect();
         // Rows of a few planes follow each other, as they are near the same triangles.
         rows.sort_by_key(|(number, _)| (number / height / BESIDE, number % height));
         let rows = rows.into_par_iter().with_min_len(BESIDE * 4);
         rows.for_each_init(
-            || Walk::new(facets, spacing),
+            || Walk::new(facets, self.spacing(), ruler),
             |walk, (number, values)| {
                 let [y, z] = [number % height, number / height];
                 let near = [
@@ -233,9 +239,8 @@ impl<'a> Work<'a> {
                     (z > 0).then(|| number - height),
                     (z + 1 < depth).then(|| number + height),
                 ];
-                let near: Vec<Row> = near.into_iter().flatten().map(|row| spread.rows.row(row)).collect();
-                let others = [y as f32 * spacing[1], z as f32 * spacing[2]];
-                walk.run(spread.rows.row(number), width, others, &near);
+                let near: Vec<_> = near.into_iter().flatten().map(|row| spread.rows.row(row)).collect();
+                walk.run(spread.rows.row(number), [y, z], &near);
                 for (value, squared) in values.iter_mut().zip(&walk.squared) {
                     *value = (squared.sqrt() * edge).min(limit);
                 }

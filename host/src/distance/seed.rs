@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use wide::f32x8;
 
 use super::lanes::{LANES, Points, Triangles};
-use super::rows::{self, Rows, set};
+use super::rows::{self, Eight, Rows, Ruler};
 use super::surface::{Facet, NONE, Surface};
 use crate::field::Grid;
 use crate::mesh::Point;
@@ -29,6 +29,7 @@ pub(super) struct Seeding<'a> {
     pub(super) surface: &'a Surface<'a>,
     pub(super) facets: &'a [Facet],
     pub(super) grid: &'a Grid,
+    pub(super) ruler: Ruler,
     /// Planes of nodes in a slab.
     pub(super) slab: usize,
     /// How far beyond a triangle, in cells, cells are taken to be met by it.
@@ -37,12 +38,13 @@ pub(super) struct Seeding<'a> {
 
 /// A slab at work: planes of rows along y, x after x.
 struct Slab<'a> {
-    rows: &'a mut [Vec<f32>],
+    rows: &'a mut [Vec<Eight>],
+    ruler: Ruler,
     /// Squared distance to the nearest point so far.
     squared: &'a mut [f32],
     /// The first plane, and one beyond the last.
     planes: [u32; 2],
-    /// Nodes along x and y, and the numbers of a row.
+    /// Nodes along x and y, and the vectors of a row.
     sides: [usize; 2],
     width: usize,
 }
@@ -72,8 +74,14 @@ impl Seeding<'_> {
             }
             squared.clear();
             squared.resize((planes[1] - planes[0]) * width * height, self.cap());
-            let (planes, sides) = (planes.map(|plane| plane as u32), [width, height]);
-            let mut slab = Slab { rows, squared, planes, sides, width: rows::width(height) };
+            let mut slab = Slab {
+                rows,
+                ruler: self.ruler,
+                squared,
+                planes: planes.map(|plane| plane as u32),
+                sides: [width, height],
+                width: rows::width(height),
+            };
             let alike = |&a: &u32, &b: &u32| nodes[a as usize] == nodes[b as usize];
             for triangles in bins.triangles[start..end].chunk_by(alike) {
                 self.seed(triangles, nodes[triangles[0] as usize], &mut slab);
@@ -250,9 +258,12 @@ impl Slab<'_> {
             let squared = &mut self.squared[(plane * width + x) * height + y];
             if found[lane] < *squared {
                 *squared = found[lane];
-                let at = |axis: usize| node[axis] as f32 * spacing[axis] - offsets[axis].as_array()[lane];
-                let row = &mut self.rows[plane][x * self.width..][..self.width];
-                set(row, y, [at(1), at(0), at(2)], nearest.triangles.as_array()[lane].to_bits());
+                let eight = &mut self.rows[plane][x * self.width + y / LANES];
+                for axis in 0..3 {
+                    let at = node[axis] as f32 * spacing[axis] - offsets[axis].as_array()[lane];
+                    eight.points[axis][y % LANES] = self.ruler.read(at);
+                }
+                eight.triangles[y % LANES] = nearest.triangles.as_array()[lane].to_bits();
             }
         }
     }

@@ -3,7 +3,7 @@
 use wide::{f32x8, i32x8};
 
 use super::lanes::{LANES, Points};
-use super::rows::{Row, load, nodes, points, squared};
+use super::rows::{Eight, Ruler, load, nodes, squared};
 use super::surface::{Facet, NONE};
 
 /// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is
@@ -28,14 +28,15 @@ const NOWHERE: f32 = 1e30;
 #[derive(Debug)]
 pub(super) struct Walk<'a> {
     facets: &'a [Facet],
-    /// Distance between nodes along the row.
-    step: f32,
+    /// Distance between nodes.
+    spacing: [f32; 3],
+    ruler: Ruler,
     /// Nearest that a point may be without being exact: the least distance between nodes, squared.
     near: f32,
     /// How much nearer than the point itself the surface around a node's point may be, squared.
     slack: f32,
-    /// The other coordinates of the row.
-    others: [f32; 2],
+    /// The row's y and z, in nodes.
+    at: [usize; 2],
     /// Squared distance of each node, and of some beyond the last.
     pub(super) squared: Vec<f32>,
     /// The triangle of each node, and of some beyond the last.
@@ -73,15 +74,16 @@ struct Queue {
 
 impl<'a> Walk<'a> {
     /// A walk in a grid whose nodes are `spacing` apart.
-    pub(super) fn new(facets: &'a [Facet], spacing: [f32; 3]) -> Self {
+    pub(super) fn new(facets: &'a [Facet], spacing: [f32; 3], ruler: Ruler) -> Self {
         let near = spacing[0].min(spacing[1]).min(spacing[2]);
         let far = spacing[0].max(spacing[1]).max(spacing[2]);
         Self {
             facets,
-            step: spacing[0],
+            spacing,
+            ruler,
             near: near * near,
             slack: BESIDE * far * far,
-            others: [0.0; 2],
+            at: [0; 2],
             squared: Vec::new(),
             triangles: Vec::new(),
             queue: Queue::default(),
@@ -89,48 +91,51 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Finds the nearest points of a row of nodes, from those that were handed on to them.
+    /// Finds the nearest points of the row of nodes at some y and z, from those that were handed on to them.
     ///
     /// The walk starts from a node's own point. Where two parts of the surface are about equally near, the point of the
     /// nearer one may have lost to one that happens to lie better; so the points of neighbours have another chance if they
     /// are almost as near, and elsewhere.
-    pub(super) fn run(&mut self, row: Row<'_>, count: usize, others: [f32; 2], neighbours: &[Row<'_>]) {
-        self.others = others;
+    pub(super) fn run(&mut self, row: &[Eight], at: [usize; 2], neighbours: &[&[Eight]]) {
+        self.at = at;
         self.triangles.clear();
-        self.triangles.extend(row.triangles(count.next_multiple_of(LANES)));
-        row.squares(self.step, others, &mut self.squared);
-        for first in (0..count).step_by(LANES) {
-            self.start(first);
+        self.triangles.extend(row.iter().flat_map(|eight| eight.triangles));
+        self.squared.clear();
+        for (number, eight) in row.iter().enumerate() {
+            self.start(number * LANES, eight);
         }
         self.go(STEPS - 1, 0.0);
-        for first in (0..count).step_by(LANES) {
-            self.chances(row, first, neighbours);
+        for number in 0..row.len() {
+            self.chances(row, number, neighbours);
         }
         self.go(STEPS, DETOUR);
     }
 
     /// Looks at the triangles of the points of eight nodes.
-    fn start(&mut self, first: usize) {
-        let before = load(&self.squared, first);
-        let goes = self.may_go(before);
-        let going = goes.to_bitmask();
-        if going == 0 {
+    fn start(&mut self, first: usize, eight: &Eight) {
+        let going = eight.triangles.map(|triangle| triangle != NONE);
+        let Some(any) = going.iter().position(|&goes| goes) else {
+            self.squared.extend_from_slice(&[f32::INFINITY; LANES]);
             return;
-        }
-        let own: [u32; LANES] = *self.triangles[first..].first_chunk().expect("rows of vectors");
-        // Nodes that stay look at the triangle of one that goes.
-        let any = own[going.trailing_zeros() as usize];
-        let triangles = std::array::from_fn(|lane| if going >> lane & 1 == 1 { own[lane] } else { any });
-        let from = nodes(first, self.step, self.others);
-        let (found, next) = self.look(&triangles, &from, f32x8::splat(f32::from_bits(NONE)));
-        let on = goes & found.simd_le(before) & next.simd_eq(next);
-        let found = goes.select(found.fast_min(before), before);
-        self.squared[first..][..LANES].copy_from_slice(found.as_array());
+        };
+        // Nodes without a triangle look at that of another node.
+        let triangles = std::array::from_fn(|lane| eight.triangles[if going[lane] { lane } else { any }]);
+        let (found, next) = self.look(&triangles, &self.places(first), f32x8::splat(f32::from_bits(NONE)));
+        let found = found + f32x8::new(going.map(|goes| if goes { 0.0 } else { f32::INFINITY }));
+        self.squared.extend_from_slice(found.as_array());
+        let on = self.may_go(found) & next.simd_eq(next);
         for lane in ones(on.to_bitmask()) {
             let triangle = next.as_array()[lane].to_bits();
-            let (node, from, best) = ((first + lane) as u32, own[lane], found.as_array()[lane]);
+            let (node, from, best) = ((first + lane) as u32, triangles[lane], found.as_array()[lane]);
             self.queue.push(Step { node, triangle, from, best });
         }
+    }
+
+    /// Where eight nodes lie.
+    #[inline(always)]
+    fn places(&self, first: usize) -> Points {
+        let [y, z] = [1, 2].map(|axis: usize| self.at[axis - 1] as f32 * self.spacing[axis]);
+        nodes(first, self.spacing[0], [y, z])
     }
 
     /// Nodes that have a point, and not an exact one.
@@ -141,33 +146,36 @@ impl<'a> Walk<'a> {
 
     /// Starts walks from those neighbours' points that may be nearer than a node's own, and are nearer than those looked at
     /// before.
-    fn chances(&mut self, row: Row<'_>, first: usize, neighbours: &[Row<'_>]) {
+    fn chances(&mut self, row: &[Eight], number: usize, neighbours: &[&[Eight]]) {
+        let first = number * LANES;
         let best = load(&self.squared, first);
         let may = self.may_go(best);
         if may.none() {
             return;
         }
-        let window = row.window(first);
-        let (places, own) = (nodes(first, self.step, self.others), points(window, 1));
-        let apart = f32x8::splat(APART);
-        let mut least = best + self.slack;
-        let mut look = |window: [&[f32; LANES + 2]; 4], shift: usize| {
-            let theirs = points(window, shift);
+        let ruler = self.ruler;
+        let [y, z] = [1, 2].map(|axis: usize| f32x8::splat(ruler.node(axis, self.at[axis - 1])));
+        let (places, own) = ([ruler.nodes(0, first), y, z], row[number].all());
+        let square = ruler.marks * ruler.marks;
+        let apart = f32x8::splat(APART * square);
+        let mut least = (best + self.slack) * square;
+        let mut look = |eight: &Eight| {
+            let theirs = eight.all();
             let offered = squared(&places, &theirs);
             let better = may & offered.simd_lt(least) & squared(&own, &theirs).simd_gt(apart);
             least = better.select(offered, least);
             for lane in ones(better.to_bitmask()) {
-                let triangle = window[3][lane + shift].to_bits();
-                if triangle != self.triangles[first + lane] {
+                let triangle = eight.triangles[lane];
+                if triangle != self.triangles[first + lane] && triangle != NONE {
                     let (node, best) = ((first + lane) as u32, best.as_array()[lane]);
                     self.queue.push(Step { node, triangle, from: NONE, best });
                 }
             }
         };
-        look(window, 0);
-        look(window, 2);
+        look(&row[number].after(number.checked_sub(1).map_or(&Eight::NONE, |before| &row[before])));
+        look(&row.get(number + 1).unwrap_or(&Eight::NONE).before(&row[number]));
         for neighbour in neighbours {
-            look(neighbour.window(first), 1);
+            look(&neighbour[number]);
         }
     }
 
@@ -190,8 +198,8 @@ impl<'a> Walk<'a> {
 
     /// Looks at a triangle for each of up to eight nodes.
     fn step(&mut self, steps: &Steps, count: usize, detour: f32) {
-        let places = f32x8::from_i32x8(i32x8::new(steps.nodes)) * self.step;
-        let from = [places, f32x8::splat(self.others[0]), f32x8::splat(self.others[1])];
+        let mut from = self.places(0);
+        from[0] = f32x8::from_i32x8(i32x8::new(steps.nodes)) * self.spacing[0];
         let before = f32x8::new(steps.best);
         let (found, next) = self.look(&steps.triangles, &from, f32x8::new(steps.from));
         let all = if count < LANES { (1 << count) - 1 } else { u32::MAX };
