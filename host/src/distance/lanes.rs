@@ -129,6 +129,16 @@ fn atleast(number: f32x8, least: f32) -> f32x8 {
     number.simd_gt(least).select(number, least)
 }
 
+/// Places of the set bits, in ascending order.
+#[inline(always)]
+pub(super) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < LANES).then_some(place)
+    })
+}
+
 /// The difference of points.
 #[inline(always)]
 pub(super) fn minus(a: &Points, b: &Points) -> Points {

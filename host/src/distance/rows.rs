@@ -1,7 +1,7 @@
 //! The closest point of every node, in rows that vector instructions can work on.
 
 use rayon::prelude::*;
-use wide::{f32x8, i16x8, i32x8, u16x8};
+use wide::{ShuffleExt, f32x8, i32x8, u16x8, u32x8};
 
 use super::lanes::{LANES, Points, dot, minus};
 use super::surface::NONE;
@@ -87,47 +87,30 @@ impl Eight {
         [self.along(0), self.along(1), self.along(2)]
     }
 
-    /// The triangles, as bits.
-    #[inline(always)]
-    pub(super) fn bits(&self) -> f32x8 {
-        f32x8::new(self.triangles.map(f32::from_bits))
-    }
-
     /// These nodes' neighbours on the left, given the nodes before.
     #[inline(always)]
     pub(super) fn after(&self, before: &Self) -> Self {
-        Self {
-            points: std::array::from_fn(|axis| joined::<_, 7>(&before.points[axis], &self.points[axis])),
-            triangles: joined::<_, 7>(&before.triangles, &self.triangles),
-        }
+        Self::joined(before, self, [7, 8, 9, 10, 11, 12, 13, 14])
     }
 
     /// The right neighbours of the nodes before these, given those nodes.
     #[inline(always)]
     pub(super) fn before(&self, nodes: &Self) -> Self {
-        Self {
-            points: std::array::from_fn(|axis| joined::<_, 1>(&nodes.points[axis], &self.points[axis])),
-            triangles: joined::<_, 1>(&nodes.triangles, &self.triangles),
-        }
+        Self::joined(nodes, self, [1, 2, 3, 4, 5, 6, 7, 8])
     }
 
-    /// Other points, whose numbers are whole.
+    /// Eight of sixteen nodes.
     #[inline(always)]
-    pub(super) fn set(&mut self, points: &Points, triangles: f32x8) {
-        for (numbers, points) in self.points.iter_mut().zip(points) {
-            *numbers = i16x8::from_i32x8_truncate(points.fast_trunc_int()).to_array().map(i16::cast_unsigned);
+    fn joined(these: &Self, those: &Self, which: [u16; LANES]) -> Self {
+        let points = |axis: usize| {
+            [u16x8::new(these.points[axis]), u16x8::new(those.points[axis])].shuffle(which.into()).to_array()
+        };
+        let triangles = [u32x8::new(these.triangles), u32x8::new(those.triangles)];
+        Self {
+            points: [points(0), points(1), points(2)],
+            triangles: triangles.shuffle(u16x8::new(which).into()).to_array(),
         }
-        self.triangles = triangles.to_array().map(f32::to_bits);
     }
-}
-
-/// Eight of sixteen numbers.
-#[inline(always)]
-fn joined<T: Copy, const FIRST: usize>(these: &[T; LANES], those: &[T; LANES]) -> [T; LANES] {
-    std::array::from_fn(|lane| {
-        let at = FIRST + lane;
-        if at < LANES { these[at] } else { those[at - LANES] }
-    })
 }
 
 impl Rows {

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 use wide::f32x8;
 
-use super::lanes::LANES;
-use super::rows::{Eight, Ruler, load};
+use super::lanes::{LANES, ones};
+use super::rows::{Eight, Ruler};
 
 /// Planes of rows, and where they lie.
 pub(super) struct Planes<'a> {
@@ -61,28 +61,34 @@ impl<'a> Planes<'a> {
         rows.map_init(
             || Look { ruler, axes, limits, lines: Default::default() },
             |look, (number, row)| {
-                for near in number.saturating_sub(1)..=(number + 1).min(last) {
-                    look.read(near, theirs[near]);
+                let near = [number.saturating_sub(1), number, (number + 1).min(last)];
+                let from = [&*theirs[near[0]], &*theirs[near[1]], &*theirs[near[2]]];
+                for (near, from) in near.into_iter().zip(from) {
+                    look.read(near, from);
                 }
-                let lines = [number.saturating_sub(1), number, (number + 1).min(last)];
-                look.take(row, lines, [number, plane])
+                look.take(row, [number, plane], near, from)
             },
         )
         .sum()
     }
 }
 
-/// A row of points that nodes of another row look at, as numbers to compute with; one vector more on either side, for nodes
-/// beyond the grid.
+/// Eight nodes and the points of their neighbours before, beside and after them in another row.
+#[derive(Clone, Copy, Debug)]
+struct Three {
+    /// Squared distances along the row.
+    along: [f32x8; 3],
+    /// Places along the other axes.
+    second: [f32x8; 3],
+    third: [f32x8; 3],
+}
+
+/// A row of points that nodes of another row look at.
 #[derive(Debug, Default)]
 struct Line {
     /// Which row of its plane, counted from 1.
     number: usize,
-    points: [Vec<f32>; 3],
-    triangles: Vec<f32>,
-    /// How far the points are beside the row of nodes, squared: all nodes that look at a point share this part of their
-    /// distance from it.
-    beside: Vec<f32>,
+    threes: Vec<Three>,
 }
 
 /// A look from row to row.
@@ -96,101 +102,109 @@ struct Look {
     lines: [Line; 3],
 }
 
-/// Numbers of eight nodes, and of one on either side.
-#[inline(always)]
-fn window(numbers: &[f32], at: usize) -> &[f32; LANES + 2] {
-    numbers[(at + 1) * LANES - 1..][..LANES + 2].try_into().expect("lines have room on both sides")
-}
-
-impl Line {
-    /// Reads a row.
-    fn read(&mut self, number: usize, row: &[Eight]) {
-        self.number = number + 1;
-        for axis in 0..3 {
-            let points = &mut self.points[axis];
-            points.clear();
-            for eight in [&Eight::NONE].into_iter().chain(row).chain([&Eight::NONE]) {
-                points.extend_from_slice(eight.along(axis).as_array());
-            }
-        }
-        self.triangles.clear();
-        for eight in [&Eight::NONE].into_iter().chain(row).chain([&Eight::NONE]) {
-            self.triangles.extend_from_slice(eight.bits().as_array());
-        }
-    }
-
-    /// Sees how far points are beside a row of nodes that lies at some places along two axes.
-    fn look_from(&mut self, axes: [usize; 2], places: [f32; 2]) {
-        let [first, second] = axes.map(|axis| &self.points[axis][..]);
-        self.beside.clear();
-        self.beside.extend(first.iter().zip(second).map(|(first, second)| {
-            let (first, second) = (first - places[0], second - places[1]);
-            first * first + second * second
-        }));
-    }
-}
+/// Which neighbour has the least of nine offers: four times the row, and the place in it.
+const WHICH: [[f32x8; 3]; 3] = [
+    [f32x8::splat(0.0), f32x8::splat(1.0), f32x8::splat(2.0)],
+    [f32x8::splat(4.0), f32x8::splat(5.0), f32x8::splat(6.0)],
+    [f32x8::splat(8.0), f32x8::splat(9.0), f32x8::splat(10.0)],
+];
 
 impl Look {
     /// Reads a row of points, unless it was read before.
     fn read(&mut self, number: usize, row: &[Eight]) {
         let line = &mut self.lines[number % 3];
-        if line.number != number + 1 {
-            line.read(number, row);
+        if line.number == number + 1 {
+            return;
+        }
+        line.number = number + 1;
+        line.threes.clear();
+        let [along, second, third] = self.axes;
+        let mut before = &Eight::NONE;
+        for (at, eight) in row.iter().enumerate() {
+            let next = row.get(at + 1).unwrap_or(&Eight::NONE);
+            let nodes = self.ruler.nodes(along, at * LANES);
+            let left = eight.after(before);
+            let right = next.before(eight);
+            let offsets = [left.along(along) - nodes, eight.along(along) - nodes, right.along(along) - nodes];
+            line.threes.push(Three {
+                along: [offsets[0] * offsets[0], offsets[1] * offsets[1], offsets[2] * offsets[2]],
+                second: [left.along(second), eight.along(second), right.along(second)],
+                third: [left.along(third), eight.along(third), right.along(third)],
+            });
+            before = eight;
         }
     }
 
     /// The nodes of a row look at the points of three others. Returns how many took another point.
     ///
     /// In most sweeps most nodes take none, so that distances alone are looked at first.
-    fn take(&mut self, row: &mut [Eight], lines: [usize; 3], [number, plane]: [usize; 2]) -> u64 {
+    fn take(
+        &self,
+        row: &mut [Eight],
+        [number, plane]: [usize; 2],
+        near: [usize; 3],
+        from: [&[Eight]; 3],
+    ) -> u64 {
         let [along, second, third] = self.axes;
-        let places = [self.ruler.node(second, number), self.ruler.node(third, plane)];
-        for line in lines {
-            self.lines[line % 3].look_from([second, third], places);
-        }
-        let lines = lines.map(|line| &self.lines[line % 3]);
-        let [near, reach] = self.limits;
+        let others = [self.ruler.node(second, number), self.ruler.node(third, plane)].map(f32x8::splat);
+        let lines = near.map(|near| &self.lines[near % 3].threes[..row.len()]);
+        let [exact, reach] = self.limits;
         let mut taken = 0;
         for (at, eight) in row.iter_mut().enumerate() {
             let nodes = self.ruler.nodes(along, at * LANES);
-            let mut least = reach;
-            let mut offers = [[reach; 3]; 3];
-            for (offers, line) in offers.iter_mut().zip(lines) {
-                let (points, beside) = (window(&line.points[along], at), window(&line.beside, at));
-                for (shift, offer) in offers.iter_mut().enumerate() {
-                    let offset = load(points, shift) - nodes;
-                    *offer = offset * offset + load(beside, shift);
-                    least = least.fast_min(*offer);
-                }
-            }
-            let offsets = [eight.along(along) - nodes, eight.along(second) - places[0], eight.along(third) - places[1]];
-            let own = offsets[0] * offsets[0] + (offsets[1] * offsets[1] + offsets[2] * offsets[2]);
-            let nearer = least.simd_lt(own) & own.simd_gt(near) & least.simd_lt(reach);
-            let which = nearer.to_bitmask();
-            if which != 0 {
-                taken += u64::from(which.count_ones());
-                choose(eight, nearer, least, (offers, lines), at);
+            let offers = [lines[0][at].offers(others), lines[1][at].offers(others), lines[2][at].offers(others)];
+            let [first, middle, last] = offers.map(|[a, b, c]| a.fast_min(b.fast_min(c)));
+            let least = first.fast_min(middle.fast_min(last)).fast_min(reach);
+            let offset = eight.along(along) - nodes;
+            let own = offset * offset + apart([eight.along(second), eight.along(third)], others);
+            let nearer = (least.simd_lt(own) & own.simd_gt(exact) & least.simd_lt(reach)).to_bitmask();
+            if nearer != 0 {
+                taken += u64::from(nearer.count_ones());
+                choose(eight, nearer, which(&offers, least), (at, from));
             }
         }
         taken
     }
 }
 
-/// Gives some of eight nodes those points whose offers were the least.
+/// Squared distance along two axes.
 #[inline(always)]
-fn choose(eight: &mut Eight, nearer: f32x8, least: f32x8, from: ([[f32x8; 3]; 3], [&Line; 3]), at: usize) {
-    let (mut points, mut triangles) = (eight.all(), eight.bits());
-    let (offers, lines) = from;
-    for (offers, line) in offers.into_iter().zip(lines).rev() {
-        let windows = [0, 1, 2].map(|axis: usize| window(&line.points[axis], at));
-        let theirs = window(&line.triangles, at);
-        for (shift, offer) in offers.into_iter().enumerate().rev() {
-            let here = nearer & offer.simd_eq(least);
-            for axis in 0..3 {
-                points[axis] = here.select(load(windows[axis], shift), points[axis]);
+fn apart(points: [f32x8; 2], others: [f32x8; 2]) -> f32x8 {
+    let offsets = [points[0] - others[0], points[1] - others[1]];
+    offsets[0] * offsets[0] + offsets[1] * offsets[1]
+}
+
+impl Three {
+    /// Squared distances of the nodes of a row, whose places along the other axes are given, from the points.
+    #[inline(always)]
+    fn offers(&self, others: [f32x8; 2]) -> [f32x8; 3] {
+        let offer = |n: usize| self.along[n] + apart([self.second[n], self.third[n]], others);
+        [offer(0), offer(1), offer(2)]
+    }
+}
+
+/// Which of nine offers is the least.
+#[inline(always)]
+fn which(offers: &[[f32x8; 3]; 3], least: f32x8) -> [i32; LANES] {
+    let mut which = f32x8::ZERO;
+    for (offer, number) in offers.as_flattened().iter().zip(WHICH.as_flattened()) {
+        which = offer.simd_eq(least).select(*number, which);
+    }
+    which.fast_trunc_int().to_array()
+}
+
+/// Gives some of eight nodes the points of their neighbours in other rows.
+#[inline(always)]
+fn choose(eight: &mut Eight, some: u32, which: [i32; LANES], (at, from): (usize, [&[Eight]; 3])) {
+    for lane in ones(some) {
+        let (row, shift) = (which[lane] as usize / 4, which[lane] as usize % 4);
+        let node = (at * LANES + lane + shift).wrapping_sub(1);
+        // There are no points beyond the ends of rows.
+        if let Some(theirs) = from[row].get(node / LANES) {
+            for (points, theirs) in eight.points.iter_mut().zip(&theirs.points) {
+                points[lane] = theirs[node % LANES];
             }
-            triangles = here.select(load(theirs, shift), triangles);
+            eight.triangles[lane] = theirs.triangles[node % LANES];
         }
     }
-    eight.set(&points, triangles);
 }

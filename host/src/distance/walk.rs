@@ -2,7 +2,7 @@
 
 use wide::{f32x8, i32x8};
 
-use super::lanes::{LANES, Points};
+use super::lanes::{LANES, Points, ones};
 use super::rows::{Eight, Ruler, load, nodes, squared};
 use super::surface::{Facet, NONE};
 
@@ -248,13 +248,4 @@ impl Queue {
         steps.best[lane] = step.best;
         self.length += 1;
     }
-}
-
-/// Places of the set bits, in ascending order.
-fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let place = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (place < LANES).then_some(place)
-    })
 }
