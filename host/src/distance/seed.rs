@@ -138,11 +138,11 @@ impl Seeding<'_> {
     /// Gives the nodes of a slab that are near triangles, all in the same cells, their closest points on them.
     fn seed(&self, triangles: &[u32], mut nodes: Nodes, slab: &mut Slab<'_>) {
         let base = nodes.first;
-        nodes.first[2] = base[2].max(slab.planes[0]);
-        nodes.end[2] = nodes.end[2].min(slab.planes[1]);
-        if nodes.end == base.map(|at| at + 2) && nodes.first == base {
+        if nodes.end == base.map(|at| at + 2) {
             self.offer_cell(triangles, base, slab);
         } else {
+            nodes.first[2] = base[2].max(slab.planes[0]);
+            nodes.end[2] = nodes.end[2].min(slab.planes[1]);
             triangles.iter().for_each(|&triangle| self.visit(triangle, base, nodes, slab));
         }
     }
@@ -248,13 +248,17 @@ impl Nearest {
 }
 
 impl Slab<'_> {
-    /// Offers points to nodes.
+    /// Offers points to nodes, as far as they are in the slab.
     #[inline(always)]
     fn offer(&mut self, places: &[[u32; 3]], nearest: &Nearest, spacing: [f32; 3]) {
         let (found, offsets) = (nearest.squared.as_array(), &nearest.offsets);
         let [width, height] = self.sides;
         for (lane, &node) in places.iter().enumerate() {
-            let (x, y, plane) = (node[0] as usize, node[1] as usize, (node[2] - self.planes[0]) as usize);
+            let (x, y, plane) =
+                (node[0] as usize, node[1] as usize, node[2].wrapping_sub(self.planes[0]) as usize);
+            if plane >= self.rows.len() {
+                continue;
+            }
             let squared = &mut self.squared[(plane * width + x) * height + y];
             if found[lane] < *squared {
                 *squared = found[lane];

@@ -74,7 +74,7 @@ impl<'a> Planes<'a> {
 }
 
 /// Eight nodes and the points of their neighbours before, beside and after them in another row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Three {
     /// Squared distances along the row.
     along: [f32x8; 3],
@@ -117,20 +117,18 @@ impl Look {
             return;
         }
         line.number = number + 1;
-        line.threes.clear();
+        line.threes.resize(row.len(), Three::default());
         let [along, second, third] = self.axes;
         let mut before = &Eight::NONE;
-        for (at, eight) in row.iter().enumerate() {
+        for (at, (eight, three)) in row.iter().zip(&mut line.threes).enumerate() {
             let next = row.get(at + 1).unwrap_or(&Eight::NONE);
             let nodes = self.ruler.nodes(along, at * LANES);
-            let left = eight.after(before);
-            let right = next.before(eight);
-            let offsets = [left.along(along) - nodes, eight.along(along) - nodes, right.along(along) - nodes];
-            line.threes.push(Three {
-                along: [offsets[0] * offsets[0], offsets[1] * offsets[1], offsets[2] * offsets[2]],
-                second: [left.along(second), eight.along(second), right.along(second)],
-                third: [left.along(third), eight.along(third), right.along(third)],
-            });
+            for (shift, eight) in [eight.after(before), *eight, next.before(eight)].iter().enumerate() {
+                let offset = eight.along(along) - nodes;
+                three.along[shift] = offset * offset;
+                three.second[shift] = eight.along(second);
+                three.third[shift] = eight.along(third);
+            }
             before = eight;
         }
     }
