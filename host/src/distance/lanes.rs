@@ -159,6 +159,7 @@ pub(super) fn dot(a: &Points, b: &Points) -> f32x8 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::surface::Facet;
     use super::*;
     use crate::measure::Triangle;
     use crate::mesh::Point;
@@ -173,51 +174,61 @@ mod tests {
     fn feet_are_those_of_one_triangle_at_a_time() {
         let mut seed = 7;
         for round in 0..2000 {
-            let mut points = || [(); 3].map(|()| f32x8::new([(); LANES].map(|()| random(&mut seed))));
-            let (mut triangles, from) =
-                (Triangles { corner: points(), sides: [points(), points()] }, points());
-            if round % 4 == 0 {
-                // Without area.
-                triangles.sides[1] = triangles.sides[0].map(|side| side * (round % 3) as f32);
-            }
+            let mut point = || Point::from_array([(); 3].map(|()| f64::from(random(&mut seed))));
+            let corners = [(); LANES].map(|()| {
+                let [a, b, c] = [point(), point(), point()];
+                // Some without area.
+                let share = f64::from(round % 3);
+                if round % 4 == 0 { [a, b, a + (b - a) * share] } else { [a, b, c] }
+            });
+            let places = [(); LANES].map(|()| point());
+            let from = [0, 1, 2].map(|axis: usize| f32x8::new(places.map(|place| place[axis] as f32)));
+            let facets = corners.map(|corners| Facet::new(corners, [1, 2, 3]));
+            let (triangles, sides) = Facet::gather(std::array::from_fn(|lane| &facets[lane]));
             let feet = triangles.feet(&from);
-            let across = feet.across([1.0, 2.0, 3.0].map(f32x8::splat), f32x8::ZERO);
+            let across = feet.across(sides, f32x8::ZERO);
             for lane in 0..LANES {
-                let at = |points: &Points| {
-                    Point::from_array([0, 1, 2].map(|axis: usize| f64::from(points[axis].as_array()[lane])))
-                };
-                let corner = at(&triangles.corner);
-                let [b, c] = triangles.sides.each_ref().map(|side| corner + at(side));
-                let nearest = Triangle([corner, b, c]).nearest(at(&from));
-                let exact = at(&from).distance(nearest.point);
+                let nearest = Triangle(corners[lane]).nearest(places[lane]);
+                let exact = places[lane].distance(nearest.point);
                 let squared = f64::from(feet.squared.as_array()[lane]);
                 assert!((squared.sqrt() - exact).abs() < 3e-4, "{} for {exact}", squared.sqrt());
-                assert!((at(&feet.offsets).length_squared() - squared).abs() < 1e-5);
+                let offset =
+                    Point::from_array([0, 1, 2].map(|axis: usize| f64::from(feet.offsets[axis].as_array()[lane])));
+                assert!((offset.length_squared() - squared).abs() < 1e-5);
+                assert!(offset.distance(places[lane] - nearest.point) < 3e-3, "{offset}");
                 let inside = nearest.weights.iter().all(|&weight| weight > 1e-3);
                 assert!(!inside || across.as_array()[lane].is_nan());
+                let outside = nearest.weights.contains(&0.0) && exact > 1e-3;
+                assert!(!outside || round % 4 == 0 || !across.as_array()[lane].is_nan());
             }
         }
     }
 
     #[test]
     fn the_way_leads_across_the_side_of_the_nearest_point() {
-        let wide = |point: [f32; 3]| point.map(f32x8::splat);
-        let sides = [wide([2.0, 0.0, 0.0]), wide([0.0, 2.0, 0.0])];
-        let triangles = Triangles { corner: wide([0.0; 3]), sides };
-        let across = |x, y, not: f32| {
-            let feet = triangles.feet(&wide([x, y, 1.0]));
-            feet.across([0.0, 1.0, 2.0].map(f32x8::splat), f32x8::splat(not)).as_array()[3]
+        let facet = Facet::new([Point::ZERO, 2.0 * Point::X, 2.0 * Point::Y], [0, 1, 2]);
+        let (triangles, sides) = Facet::gather([&facet; LANES]);
+        let across = |x, y, not: u32| {
+            let feet = triangles.feet(&[x, y, 1.0].map(f32x8::splat));
+            let across = feet.across(sides, f32x8::splat(f32::from_bits(not))).as_array()[3];
+            (!across.is_nan()).then_some(across.to_bits())
         };
-        assert_eq!([across(0.5, -1.0, 3.0), across(1.5, 1.5, 3.0), across(-1.0, 0.5, 3.0)], [0.0, 1.0, 2.0]);
-        assert_eq!([across(-1.0, -2.0, 3.0), across(-2.0, -1.0, 3.0)], [0.0, 2.0]);
-        assert_eq!([across(-1.0, -2.0, 0.0), across(-2.0, -1.0, 2.0)], [2.0, 0.0]);
-        assert!(across(0.5, 0.5, 3.0).is_nan() && across(0.5, -1.0, 0.0).is_nan());
+        let some = |sides: [u32; 2]| sides.map(Some);
+        assert_eq!([across(0.5, -1.0, 3), across(1.5, 1.5, 3)], some([0, 1]));
+        assert_eq!(across(-1.0, 0.5, 3), Some(2));
+        assert_eq!([across(-1.0, -2.0, 3), across(-2.0, -1.0, 3)], some([0, 2]));
+        assert_eq!([across(-1.0, -2.0, 0), across(-2.0, -1.0, 2)], some([2, 0]));
+        assert_eq!([across(0.5, 0.5, 3), across(0.5, -1.0, 0)], [None, None]);
     }
 
     #[test]
     fn what_is_not_finite_is_near_nothing() {
-        let wide = |at: f32| [f32x8::splat(at); 3];
-        let triangles = Triangles { corner: wide(f32::INFINITY), sides: [wide(f32::NAN), wide(1.0)] };
-        assert_eq!(triangles.feet(&wide(0.0)).squared.simd_lt(f32x8::splat(1e30)).to_bitmask(), 0);
+        let corners = [Point::splat(1e300), Point::ONE, Point::X];
+        for turn in 0..3 {
+            let facet = Facet::new([0, 1, 2].map(|corner| corners[(corner + turn) % 3]), [0; 3]);
+            let (triangles, _) = Facet::gather([&facet; LANES]);
+            let squared = triangles.feet(&[f32x8::ZERO; 3]).squared;
+            assert_eq!(squared.simd_lt(f32x8::splat(0.5)).to_bitmask(), 0);
+        }
     }
 }

@@ -71,6 +71,16 @@ impl Ruler {
 /// The first eight numbers.
 const EIGHT: f32x8 = f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
 
+/// The neighbours of eight nodes on the left, among the eight before and these, and on the right, among these and the next.
+const LEFT: [u16; LANES] = [7, 8, 9, 10, 11, 12, 13, 14];
+const RIGHT: [u16; LANES] = [1, 2, 3, 4, 5, 6, 7, 8];
+
+/// Numbers to compute with.
+#[inline(always)]
+fn wide(numbers: u16x8) -> f32x8 {
+    f32x8::from_i32x8(i32x8::from_u16x8(numbers))
+}
+
 impl Eight {
     /// Nodes without closest points.
     pub(super) const NONE: Self = Self { points: [[NOWHERE; LANES]; 3], triangles: [NONE; LANES] };
@@ -78,7 +88,17 @@ impl Eight {
     /// The points along an axis.
     #[inline(always)]
     pub(super) fn along(&self, axis: usize) -> f32x8 {
-        f32x8::from_i32x8(i32x8::from_u16x8(u16x8::new(self.points[axis])))
+        wide(u16x8::new(self.points[axis]))
+    }
+
+    /// The points of the left neighbours, of these nodes, and of the right neighbours along an axis, given the nodes before
+    /// and after these.
+    #[inline(always)]
+    pub(super) fn between(&self, before: &Self, after: &Self, axis: usize) -> [f32x8; 3] {
+        let at = |eight: &Self| u16x8::new(eight.points[axis]);
+        let left = [at(before), at(self)].shuffle(LEFT.into());
+        let right = [at(self), at(after)].shuffle(RIGHT.into());
+        [wide(left), self.along(axis), wide(right)]
     }
 
     /// The points.
@@ -90,13 +110,13 @@ impl Eight {
     /// These nodes' neighbours on the left, given the nodes before.
     #[inline(always)]
     pub(super) fn after(&self, before: &Self) -> Self {
-        Self::joined(before, self, [7, 8, 9, 10, 11, 12, 13, 14])
+        Self::joined(before, self, LEFT)
     }
 
     /// The right neighbours of the nodes before these, given those nodes.
     #[inline(always)]
     pub(super) fn before(&self, nodes: &Self) -> Self {
-        Self::joined(nodes, self, [1, 2, 3, 4, 5, 6, 7, 8])
+        Self::joined(nodes, self, RIGHT)
     }
 
     /// Eight of sixteen nodes.

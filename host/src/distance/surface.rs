@@ -112,7 +112,7 @@ impl<'a> Surface<'a> {
 }
 
 impl Facet {
-    fn new([a, b, c]: [Point; 3], across: [u32; 3]) -> Self {
+    pub(super) fn new([a, b, c]: [Point; 3], across: [u32; 3]) -> Self {
         let (along, to_third) = (b - a, c - a);
         let second = along.length();
         // Triangles without area have sides all the same, and sides without length have corners.

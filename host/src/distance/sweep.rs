@@ -123,12 +123,12 @@ impl Look {
         for (at, (eight, three)) in row.iter().zip(&mut line.threes).enumerate() {
             let next = row.get(at + 1).unwrap_or(&Eight::NONE);
             let nodes = self.ruler.nodes(along, at * LANES);
-            for (shift, eight) in [eight.after(before), *eight, next.before(eight)].iter().enumerate() {
-                let offset = eight.along(along) - nodes;
-                three.along[shift] = offset * offset;
-                three.second[shift] = eight.along(second);
-                three.third[shift] = eight.along(third);
+            let offsets = eight.between(before, next, along);
+            for (square, offset) in three.along.iter_mut().zip(offsets) {
+                *square = (offset - nodes) * (offset - nodes);
             }
+            three.second = eight.between(before, next, second);
+            three.third = eight.between(before, next, third);
             before = eight;
         }
     }

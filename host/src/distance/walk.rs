@@ -17,8 +17,8 @@ const APART: f32 = 0.25;
 /// nodes.
 const BESIDE: f32 = 1.4;
 
-/// How much farther than the nearest point so far a walk on another part of the surface may lead, squared, in squares of
-/// cells' edges: there it may be on its way to a nearer one.
+/// How much farther than the nearest point so far a walk on another part of the surface may lead, squared, in squares of the
+/// greatest distance between nodes: there it may be on its way to a nearer one.
 const DETOUR: f32 = 0.25;
 
 /// Squared distance that no node has from a point.
@@ -35,6 +35,8 @@ pub(super) struct Walk<'a> {
     near: f32,
     /// How much nearer than the point itself the surface around a node's point may be, squared.
     slack: f32,
+    /// How much farther, squared, walks on other parts of the surface may lead.
+    detour: f32,
     /// The row's y and z, in nodes.
     at: [usize; 2],
     /// Squared distance of each node, and of some beyond the last.
@@ -83,6 +85,7 @@ impl<'a> Walk<'a> {
             ruler,
             near: near * near,
             slack: BESIDE * far * far,
+            detour: DETOUR * far * far,
             at: [0; 2],
             squared: Vec::new(),
             triangles: Vec::new(),
@@ -108,7 +111,7 @@ impl<'a> Walk<'a> {
         for number in 0..row.len() {
             self.chances(row, number, neighbours);
         }
-        self.go(STEPS, DETOUR);
+        self.go(STEPS, self.detour);
     }
 
     /// Looks at the triangles of the points of eight nodes.
