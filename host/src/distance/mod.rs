@@ -183,10 +183,15 @@ impl<'a> Work<'a> {
         self.surface.spacing.as_vec3().to_array()
     }
 
-    /// Seeds nodes and hands points on.
+    /// Seeds nodes and hands points on; meanwhile, triangles find their neighbours.
     fn spread(&self) -> Result<(Spread, Vec<Facet>), DistanceError> {
-        let facets = self.surface.facets();
-        Ok((self.points(&facets)?, facets))
+        let points = || {
+            let facets = self.surface.facets();
+            (self.points(&facets), facets)
+        };
+        let ((spread, mut facets), across) = rayon::join(points, || self.surface.across());
+        facets.par_iter_mut().zip(across).with_min_len(4096).for_each(|(facet, across)| facet.join(across));
+        Ok((spread?, facets))
     }
 
     fn points(&self, facets: &[Facet]) -> Result<Spread, DistanceError> {
