@@ -192,8 +192,9 @@ mod tests {
                 let exact = places[lane].distance(nearest.point);
                 let squared = f64::from(feet.squared.as_array()[lane]);
                 assert!((squared.sqrt() - exact).abs() < 3e-4, "{} for {exact}", squared.sqrt());
-                let offset =
-                    Point::from_array([0, 1, 2].map(|axis: usize| f64::from(feet.offsets[axis].as_array()[lane])));
+                let offset = Point::from_array(
+                    [0, 1, 2].map(|axis: usize| f64::from(feet.offsets[axis].as_array()[lane])),
+                );
                 assert!((offset.length_squared() - squared).abs() < 1e-5);
                 assert!(offset.distance(places[lane] - nearest.point) < 3e-3, "{offset}");
                 let inside = nearest.weights.iter().all(|&weight| weight > 1e-3);

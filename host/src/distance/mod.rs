@@ -239,12 +239,12 @@ impl<'a> Work<'a> {
             |walk, (number, values)| {
                 let [y, z] = [number % height, number / height];
                 let near = [
-                    (y > 0).then(|| number - 1),
-                    (y + 1 < height).then(|| number + 1),
-                    (z > 0).then(|| number - height),
-                    (z + 1 < depth).then(|| number + height),
+                    (y > 0).then(|| (spread.rows.row(number - 1), 1, -1.0)),
+                    (y + 1 < height).then(|| (spread.rows.row(number + 1), 1, 1.0)),
+                    (z > 0).then(|| (spread.rows.row(number - height), 2, -1.0)),
+                    (z + 1 < depth).then(|| (spread.rows.row(number + height), 2, 1.0)),
                 ];
-                let near: Vec<_> = near.into_iter().flatten().map(|row| spread.rows.row(row)).collect();
+                let near: Vec<_> = near.into_iter().flatten().collect();
                 walk.run(spread.rows.row(number), [y, z], &near);
                 for (value, squared) in values.iter_mut().zip(&walk.squared) {
                     *value = (squared.sqrt() * edge).min(limit);

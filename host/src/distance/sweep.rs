@@ -150,7 +150,8 @@ impl Look {
         let mut taken = 0;
         for (at, eight) in row.iter_mut().enumerate() {
             let nodes = self.ruler.nodes(along, at * LANES);
-            let offers = [lines[0][at].offers(others), lines[1][at].offers(others), lines[2][at].offers(others)];
+            let offers =
+                [lines[0][at].offers(others), lines[1][at].offers(others), lines[2][at].offers(others)];
             let [first, middle, last] = offers.map(|[a, b, c]| a.fast_min(b.fast_min(c)));
             let least = first.fast_min(middle.fast_min(last)).fast_min(reach);
             let offset = eight.along(along) - nodes;

@@ -2,16 +2,20 @@
 
 use wide::{f32x8, i32x8};
 
-use super::lanes::{LANES, Points, ones};
+use super::lanes::{LANES, Points, dot, minus, ones};
 use super::rows::{Eight, Ruler, load, nodes, squared};
 use super::surface::{Facet, NONE};
 
 /// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is
 /// nearest in itself there is no end.
-const STEPS: usize = 6;
+const STEPS: usize = 4;
 
 /// Squared distance, in squares of cells' edges, beyond which points may lie on different parts of the surface.
 const APART: f32 = 0.25;
+
+/// How much farther than nodes their points may be apart, squared, in squares of cells' edges, and still lie beside each other
+/// on a part of the surface that is about flat.
+const ALONG: f32 = 0.03;
 
 /// How far beside the point nearest to a node its own point may lie, squared, in squares of the greatest distance between
 /// nodes.
@@ -19,7 +23,7 @@ const BESIDE: f32 = 1.4;
 
 /// How much farther than the nearest point so far a walk on another part of the surface may lead, squared, in squares of the
 /// greatest distance between nodes: there it may be on its way to a nearer one.
-const DETOUR: f32 = 0.25;
+const DETOUR: f32 = 0.5;
 
 /// Squared distance that no node has from a point.
 const NOWHERE: f32 = 1e30;
@@ -99,7 +103,7 @@ impl<'a> Walk<'a> {
     /// The walk starts from a node's own point. Where two parts of the surface are about equally near, the point of the
     /// nearer one may have lost to one that happens to lie better; so the points of neighbours have another chance if they
     /// are almost as near, and elsewhere.
-    pub(super) fn run(&mut self, row: &[Eight], at: [usize; 2], neighbours: &[&[Eight]]) {
+    pub(super) fn run(&mut self, row: &[Eight], at: [usize; 2], neighbours: &[(&[Eight], usize, f32)]) {
         self.at = at;
         self.triangles.clear();
         self.triangles.extend(row.iter().flat_map(|eight| eight.triangles));
@@ -127,11 +131,12 @@ impl<'a> Walk<'a> {
         let found = found + f32x8::new(going.map(|goes| if goes { 0.0 } else { f32::INFINITY }));
         self.squared.extend_from_slice(found.as_array());
         let on = self.may_go(found) & next.simd_eq(next);
-        for lane in ones(on.to_bitmask()) {
-            let triangle = next.as_array()[lane].to_bits();
-            let (node, from, best) = ((first + lane) as u32, triangles[lane], found.as_array()[lane]);
-            self.queue.push(Step { node, triangle, from, best });
-        }
+        self.queue.push(ones(on.to_bitmask()).map(|lane| Step {
+            node: (first + lane) as u32,
+            triangle: next.as_array()[lane].to_bits(),
+            from: triangles[lane],
+            best: found.as_array()[lane],
+        }));
     }
 
     /// Where eight nodes lie.
@@ -149,7 +154,7 @@ impl<'a> Walk<'a> {
 
     /// Starts walks from those neighbours' points that may be nearer than a node's own, and are nearer than those looked at
     /// before.
-    fn chances(&mut self, row: &[Eight], number: usize, neighbours: &[&[Eight]]) {
+    fn chances(&mut self, row: &[Eight], number: usize, neighbours: &[(&[Eight], usize, f32)]) {
         let first = number * LANES;
         let best = load(&self.squared, first);
         let may = self.may_go(best);
@@ -160,25 +165,32 @@ impl<'a> Walk<'a> {
         let [y, z] = [1, 2].map(|axis: usize| f32x8::splat(ruler.node(axis, self.at[axis - 1])));
         let (places, own) = ([ruler.nodes(0, first), y, z], row[number].all());
         let square = ruler.marks * ruler.marks;
-        let apart = f32x8::splat(APART * square);
+        let (apart, along) = (f32x8::splat(APART * square), f32x8::splat(ALONG * square));
         let mut least = (best + self.slack) * square;
-        let mut look = |eight: &Eight| {
+        let mut look = |eight: &Eight, axis: usize, step: f32| {
             let theirs = eight.all();
             let offered = squared(&places, &theirs);
-            let better = may & offered.simd_lt(least) & squared(&own, &theirs).simd_gt(apart);
+            // How much farther points are apart than their nodes.
+            let mut aside = minus(&theirs, &own);
+            let far = dot(&aside, &aside);
+            aside[axis] -= f32x8::splat(step);
+            let differs = far.simd_gt(apart) & dot(&aside, &aside).simd_gt(along);
+            let better = may & offered.simd_lt(least) & differs;
             least = better.select(offered, least);
-            for lane in ones(better.to_bitmask()) {
-                let triangle = eight.triangles[lane];
-                if triangle != self.triangles[first + lane] && triangle != NONE {
-                    let (node, best) = ((first + lane) as u32, best.as_array()[lane]);
-                    self.queue.push(Step { node, triangle, from: NONE, best });
-                }
-            }
+            let triangles = &self.triangles[first..][..LANES];
+            let news = |&lane: &usize| ![NONE, triangles[lane]].contains(&eight.triangles[lane]);
+            self.queue.push(ones(better.to_bitmask()).filter(news).map(|lane| Step {
+                node: (first + lane) as u32,
+                triangle: eight.triangles[lane],
+                from: NONE,
+                best: best.as_array()[lane],
+            }));
         };
-        look(&row[number].after(number.checked_sub(1).map_or(&Eight::NONE, |before| &row[before])));
-        look(&row.get(number + 1).unwrap_or(&Eight::NONE).before(&row[number]));
-        for neighbour in neighbours {
-            look(&neighbour[number]);
+        let before = number.checked_sub(1).map_or(&Eight::NONE, |before| &row[before]);
+        look(&row[number].after(before), 0, -ruler.step[0]);
+        look(&row.get(number + 1).unwrap_or(&Eight::NONE).before(&row[number]), 0, ruler.step[0]);
+        for (neighbour, axis, step) in neighbours {
+            look(&neighbour[number], *axis, *step * ruler.step[*axis]);
         }
     }
 
@@ -216,14 +228,12 @@ impl<'a> Walk<'a> {
         }
         let on = found.simd_le(before + detour) & next.simd_eq(next);
         let best = found.fast_min(before);
-        for lane in ones(on.to_bitmask() & all) {
-            self.next.push(Step {
-                node: steps.nodes[lane] as u32,
-                triangle: next.as_array()[lane].to_bits(),
-                from: steps.triangles[lane],
-                best: best.as_array()[lane],
-            });
-        }
+        self.next.push(ones(on.to_bitmask() & all).map(|lane| Step {
+            node: steps.nodes[lane] as u32,
+            triangle: next.as_array()[lane].to_bits(),
+            from: steps.triangles[lane],
+            best: best.as_array()[lane],
+        }));
     }
 
     /// Squared distances of eight points from a triangle each, and the triangles across the side that is nearest, as bits,
@@ -238,17 +248,21 @@ impl<'a> Walk<'a> {
 }
 
 impl Queue {
+    /// Up to eight steps more.
     #[inline(always)]
-    fn push(&mut self, step: Step) {
-        let (at, lane) = (self.length / LANES, self.length % LANES);
-        if at == self.steps.len() {
-            self.steps.push(Steps::default());
+    fn push(&mut self, steps: impl Iterator<Item = Step>) {
+        let mut length = self.length;
+        if length / LANES + 1 >= self.steps.len() {
+            self.steps.resize_with(2 * self.steps.len() + 2, Steps::default);
         }
-        let steps = &mut self.steps[at];
-        steps.nodes[lane] = step.node as i32;
-        steps.triangles[lane] = step.triangle;
-        steps.from[lane] = f32::from_bits(step.from);
-        steps.best[lane] = step.best;
-        self.length += 1;
+        for step in steps {
+            let (lane, steps) = (length % LANES, &mut self.steps[length / LANES]);
+            steps.nodes[lane] = step.node as i32;
+            steps.triangles[lane] = step.triangle;
+            steps.from[lane] = f32::from_bits(step.from);
+            steps.best[lane] = step.best;
+            length += 1;
+        }
+        self.length = length;
     }
 }
