@@ -151,7 +151,7 @@ fn less(point: &Points, length: f32x8, axis: &Points) -> Points {
     std::array::from_fn(|n| point[n] - length * axis[n])
 }
 
-/// The product of vectors. The second and third axes are summed first, see `sweep.rs`.
+/// The product of vectors.
 #[inline(always)]
 pub(super) fn dot(a: &Points, b: &Points) -> f32x8 {
     a[0] * b[0] + (a[1] * b[1] + a[2] * b[2])

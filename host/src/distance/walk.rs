@@ -7,7 +7,7 @@ use super::rows::{Eight, Ruler, load, nodes, squared};
 use super::surface::{Facet, NONE};
 
 /// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is
-/// nearest in itself there is no end.
+/// nearest in itself there is no end, and more steps make hardly a node better.
 const STEPS: usize = 4;
 
 /// Squared distance, in squares of cells' edges, beyond which points may lie on different parts of the surface.
