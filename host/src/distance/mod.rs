@@ -41,7 +41,7 @@ use seed::Seeding;
 use sign::{Normals, Signs};
 use surface::{Facet, Surface};
 use sweep::Planes;
-use walk::Walk;
+use walk::{Walk, mean_side};
 
 /// How far beyond a triangle of a mesh, in cells, cells are taken to be met by it: so that nodes on the plane of a triangle
 /// have neighbours on both sides which know where they are.
@@ -231,14 +231,14 @@ impl<'a> Work<'a> {
     fn finish(&self, spread: &Spread, facets: &[Facet], signs: &Signs) -> Distance {
         let [width, height, depth] = self.grid.extent;
         let (limit, edge) = (self.options.limit as f32, self.grid.cell_edge() as f32);
-        let ruler = self.ruler();
+        let (ruler, side) = (self.ruler(), mean_side(facets));
         let mut values = vec![0.0_f32; self.grid.len()];
         let mut rows: Vec<_> = values.chunks_mut(width).enumerate().collect();
         // Rows of a few planes follow each other, as they are near the same triangles.
         rows.sort_by_key(|(number, _)| (number / height / BESIDE, number % height));
         let rows = rows.into_par_iter().with_min_len(BESIDE * 4);
         rows.for_each_init(
-            || Walk::new(facets, self.spacing(), ruler),
+            || Walk::new(facets, side, self.spacing(), ruler),
             |walk, (number, values)| {
                 let [y, z] = [number % height, number / height];
                 let near = [

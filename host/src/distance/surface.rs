@@ -130,6 +130,11 @@ impl Facet {
         Self(numbers)
     }
 
+    /// Length of the first side.
+    pub(super) fn side(&self) -> f32 {
+        self.0[9]
+    }
+
     /// Learns which triangles are across the sides.
     pub(super) fn join(&mut self, across: [u32; 3]) {
         self.0[12..15].copy_from_slice(&across.map(f32::from_bits));

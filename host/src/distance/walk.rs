@@ -6,9 +6,13 @@ use super::lanes::{LANES, Points, dot, minus, ones};
 use super::rows::{Eight, Ruler, load, nodes, squared};
 use super::surface::{Facet, NONE};
 
-/// Most triangles of a walk. Most walks end after two or three, as they start near their end; around a vertex that is
-/// nearest in itself there is no end, and more steps make hardly a node better.
-const STEPS: usize = 4;
+/// Most triangles of a walk are as many as lie on a way of this length, in cells' edges, but at least and at most so many. Most
+/// walks end after two or three, as they start near their end; around a vertex that is nearest in itself there is no end.
+const WAY: f32 = 2.5;
+const STEPS: [usize; 2] = [4, 16];
+
+/// How many triangles tell about how large all are.
+const SAMPLE: usize = 4096;
 
 /// Squared distance, in squares of cells' edges, beyond which points may lie on different parts of the surface.
 const APART: f32 = 0.25;
@@ -21,9 +25,13 @@ const ALONG: f32 = 0.03;
 /// nodes.
 const BESIDE: f32 = 1.4;
 
-/// How much farther than the nearest point so far a walk on another part of the surface may lead, squared, in squares of the
+/// How much farther than the nearest point so far a walk on another part of the surface may lead at least, squared, in squares of the
 /// greatest distance between nodes: there it may be on its way to a nearer one.
 const DETOUR: f32 = 0.5;
+
+/// How much shorter the greatest detour, which is [`BESIDE`], may be with the length of triangles' sides: the first triangle
+/// of a walk is nearer to its end if it is large.
+const SHORTER: f32 = 1.2;
 
 /// Squared distance that no node has from a point.
 const NOWHERE: f32 = 1e30;
@@ -32,6 +40,8 @@ const NOWHERE: f32 = 1e30;
 #[derive(Debug)]
 pub(super) struct Walk<'a> {
     facets: &'a [Facet],
+    /// Most triangles of a walk.
+    steps: usize,
     /// Distance between nodes.
     spacing: [f32; 3],
     ruler: Ruler,
@@ -79,17 +89,18 @@ struct Queue {
 }
 
 impl<'a> Walk<'a> {
-    /// A walk in a grid whose nodes are `spacing` apart.
-    pub(super) fn new(facets: &'a [Facet], spacing: [f32; 3], ruler: Ruler) -> Self {
+    /// A walk over triangles whose sides are about as long as `side`, in a grid whose nodes are `spacing` apart.
+    pub(super) fn new(facets: &'a [Facet], side: f32, spacing: [f32; 3], ruler: Ruler) -> Self {
         let near = spacing[0].min(spacing[1]).min(spacing[2]);
         let far = spacing[0].max(spacing[1]).max(spacing[2]);
         Self {
             facets,
+            steps: ((WAY / side).ceil() as usize).clamp(STEPS[0], STEPS[1]),
             spacing,
             ruler,
             near: near * near,
             slack: BESIDE * far * far,
-            detour: DETOUR * far * far,
+            detour: (BESIDE - SHORTER * side).clamp(DETOUR, BESIDE) * far * far,
             at: [0; 2],
             squared: Vec::new(),
             triangles: Vec::new(),
@@ -111,11 +122,11 @@ impl<'a> Walk<'a> {
         for (number, eight) in row.iter().enumerate() {
             self.start(number * LANES, eight);
         }
-        self.go(STEPS - 1, 0.0);
+        self.go(self.steps - 1, 0.0);
         for number in 0..row.len() {
             self.chances(row, number, neighbours);
         }
-        self.go(STEPS, self.detour);
+        self.go(self.steps, self.detour);
     }
 
     /// Looks at the triangles of the points of eight nodes.
@@ -245,6 +256,12 @@ impl<'a> Walk<'a> {
         let feet = triangles.feet(from);
         (feet.squared, feet.across(across, not))
     }
+}
+
+/// How long the first sides of triangles are.
+pub(super) fn mean_side(facets: &[Facet]) -> f32 {
+    let some = facets.iter().step_by(facets.len() / SAMPLE + 1);
+    some.clone().map(Facet::side).sum::<f32>() / some.len() as f32
 }
 
 impl Queue {
