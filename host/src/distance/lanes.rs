@@ -10,25 +10,43 @@ pub(super) const LANES: usize = 8;
 /// A point for each lane, axis by axis.
 pub(super) type Points = [f32x8; 3];
 
-/// Triangles whose squared area is less than this share of that of the square over two sides are taken for their sides.
-const FLAT: f32 = 1e-6;
-
-/// A triangle for each lane: a corner, and the way from there to the second and the third.
+/// A triangle for each lane, in a plane of its own: the first corner is at zero, the second on the first axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triangles {
+    /// The first corner.
     pub(super) corner: Points,
-    pub(super) sides: [Points; 2],
+    /// The axes of the plane: perpendicular, of length 1.
+    pub(super) axes: [Points; 2],
+    /// The second corner.
+    pub(super) second: f32x8,
+    /// The third corner; its second coordinate is not negative.
+    pub(super) third: [f32x8; 2],
 }
 
 /// The nearest points of the triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feet {
+    /// Squared distances.
+    pub(super) squared: f32x8,
     /// From the nearest points to the points that they are nearest to.
     pub(super) offsets: Points,
     /// How far the points are beyond the line of each side that their nearest points lie on, squared, with its sign; less
     /// than any number for other sides. Side n runs from corner n to the next.
     beyond: [f32x8; 3],
 }
+
+/// The nearest point of a side, in the plane of its triangle.
+#[derive(Clone, Copy)]
+struct Side {
+    /// From it to the point.
+    offset: [f32x8; 2],
+    squared: f32x8,
+    /// How far the point is beyond the side's line, squared, with its sign.
+    beyond: f32x8,
+}
+
+/// How much farther than the nearest side another side may be, squared, and still have the nearest point, a corner.
+const SAME: f32 = 1.0001;
 
 impl Triangles {
     /// The nearest points to `from`.
@@ -37,56 +55,60 @@ impl Triangles {
     /// the sides. There is no branch. Everything is relative to the first corner.
     #[inline(always)]
     pub(super) fn feet(&self, from: &Points) -> Feet {
-        let [ab, ac] = self.sides;
         let point = minus(from, &self.corner);
-        let (along_ab, along_ac) = (dot(&ab, &point), dot(&ac, &point));
-        let (ab_ab, ac_ac, ab_ac) = (dot(&ab, &ab), dot(&ac, &ac), dot(&ab, &ac));
-        let bc_bc = ab_ab + ac_ac - ab_ac - ab_ac;
-        let along_bc = along_ac - along_ab + ab_ab - ab_ac;
-        // Barycentric coordinates, times `area`.
-        let area = ab_ab * ac_ac - ab_ac * ab_ac;
-        let v = ac_ac * along_ab - ab_ac * along_ac;
-        let w = ab_ab * along_ac - ab_ac * along_ab;
-        let u = area - v - w;
+        // What is left of the point after each axis: rounding errors of one do not grow with the next.
+        let x = dot(&point, &self.axes[0]);
+        let rest = less(&point, x, &self.axes[0]);
+        let y = dot(&rest, &self.axes[1]);
+        let rest = less(&rest, y, &self.axes[1]);
         let zero = f32x8::ZERO;
-        let inside = area.simd_gt(ab_ab * ac_ac * FLAT) & u.simd_ge(zero) & v.simd_ge(zero) & w.simd_ge(zero);
-        // How far along each side its nearest point is, and that point's squared distance less that of the first corner.
-        let per = |length| f32x8::ONE / atleast(length, f32::MIN_POSITIVE);
-        let (per_ab, per_bc, per_ac) = (per(ab_ab), per(bc_bc), per(ac_ac));
-        let (on_ab, on_bc, on_ac) =
-            (share(along_ab * per_ab), share(along_bc * per_bc), share(along_ac * per_ac));
-        let to_ab = on_ab * (on_ab * ab_ab - along_ab - along_ab);
-        let to_ac = on_ac * (on_ac * ac_ac - along_ac - along_ac);
-        let to_bc = ab_ab - along_ab - along_ab + on_bc * (on_bc * bc_bc - along_bc - along_bc);
-        let first = to_ab.simd_le(to_ac);
-        let last = to_bc.simd_lt(first.select(to_ab, to_ac));
-        let to_b = last.select(f32x8::ONE - on_bc, first.select(on_ab, zero));
-        let to_c = last.select(on_bc, first.select(zero, on_ac));
-        let per_area = f32x8::ONE / atleast(area, f32::MIN_POSITIVE);
-        let to_b = inside.select(v * per_area, to_b);
-        let to_c = inside.select(w * per_area, to_c);
-        let offsets = std::array::from_fn(|axis| point[axis] - to_b * ab[axis] - to_c * ac[axis]);
-        let one = f32x8::ONE;
-        let outside = f32x8::splat(f32::NEG_INFINITY);
-        let beyond = |lies: f32x8, area: f32x8, per: f32x8| {
-            inside.select(outside, lies.select(-area * area.abs() * per, outside))
-        };
-        let beyond = [
-            beyond(to_c.simd_eq(zero), w, per_ab),
-            beyond(last | to_b.simd_eq(one) | to_c.simd_eq(one), u, per_bc),
-            beyond(to_b.simd_eq(zero), v, per_ac),
+        let (second, [third_x, third_y]) = (self.second, self.third);
+        let from_second = x - second;
+        // Where the point is relative to the lines of the second and the third side, times their lengths.
+        let to_second = second * third_y - x * third_y - y * (second - third_x);
+        let to_third = x * third_y - y * third_x;
+        let inside = y.simd_gt(zero) & to_second.simd_gt(zero) & to_third.simd_gt(zero);
+        let along = x - atleast(x, 0.0).fast_min(second);
+        let sides = [
+            Side { offset: [along, y], squared: along * along + y * y, beyond: -y * y.abs() },
+            side([from_second, y], [third_x - second, third_y], to_second),
+            side([x, y], [third_x, third_y], to_third),
         ];
-        Feet { offsets, beyond }
+        let least = sides[0].squared.fast_min(sides[1].squared.fast_min(sides[2].squared));
+        let [first, last] = [0, 1].map(|side: usize| sides[side].squared.simd_eq(least));
+        let offset: [f32x8; 2] = std::array::from_fn(|axis| {
+            let [a, b, c] = [sides[0].offset[axis], sides[1].offset[axis], sides[2].offset[axis]];
+            inside.select(zero, first.select(a, last.select(b, c)))
+        });
+        let outside = f32x8::splat(f32::NEG_INFINITY);
+        let near = inside.select(outside, least * SAME);
+        let beyond = |side: &Side| side.squared.simd_le(near).select(side.beyond, outside);
+        Feet {
+            squared: dot(&rest, &rest) + inside.select(zero, least),
+            offsets: std::array::from_fn(|axis| {
+                rest[axis] + offset[0] * self.axes[0][axis] + offset[1] * self.axes[1][axis]
+            }),
+            beyond: [beyond(&sides[0]), beyond(&sides[1]), beyond(&sides[2])],
+        }
+    }
+}
+
+/// The nearest point of a side along a vector from its start, from where the point is seen at an offset; and how far within
+/// the side's line that is, times its length.
+#[inline(always)]
+fn side(offset: [f32x8; 2], along: [f32x8; 2], within: f32x8) -> Side {
+    let per_square = f32x8::ONE / atleast(along[0] * along[0] + along[1] * along[1], f32::MIN_POSITIVE);
+    let share = (offset[0] * along[0] + offset[1] * along[1]) * per_square;
+    let share = atleast(share, 0.0).fast_min(f32x8::ONE);
+    let offset = [offset[0] - share * along[0], offset[1] - share * along[1]];
+    Side {
+        offset,
+        squared: offset[0] * offset[0] + offset[1] * offset[1],
+        beyond: -within * within.abs() * per_square,
     }
 }
 
 impl Feet {
-    /// Squared distances.
-    #[inline(always)]
-    pub(super) fn squared(&self) -> f32x8 {
-        dot(&self.offsets, &self.offsets)
-    }
-
     /// Whichever of three numbers belongs to the side that the nearest point lies on; of two, that whose line the point is
     /// farther beyond. Those that are `not` wanted or no numbers do not count; where none is left, the result is no number.
     #[inline(always)]
@@ -107,11 +129,14 @@ fn atleast(number: f32x8, least: f32) -> f32x8 {
     number.simd_gt(least).select(number, least)
 }
 
-/// `number` between 0 and 1; 0 where it is not a number.
+/// Places of the set bits, in ascending order.
 #[inline(always)]
-fn share(number: f32x8) -> f32x8 {
-    let number = atleast(number, 0.0);
-    number.simd_lt(f32x8::ONE).select(number, f32x8::ONE)
+pub(super) fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (place < LANES).then_some(place)
+    })
 }
 
 /// The difference of points.
@@ -120,14 +145,21 @@ pub(super) fn minus(a: &Points, b: &Points) -> Points {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
+/// A point less a vector along an axis.
+#[inline(always)]
+fn less(point: &Points, length: f32x8, axis: &Points) -> Points {
+    std::array::from_fn(|n| point[n] - length * axis[n])
+}
+
 /// The product of vectors.
 #[inline(always)]
 pub(super) fn dot(a: &Points, b: &Points) -> f32x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[0] * b[0] + (a[1] * b[1] + a[2] * b[2])
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::surface::Facet;
     use super::*;
     use crate::measure::Triangle;
     use crate::mesh::Point;
@@ -142,51 +174,62 @@ mod tests {
     fn feet_are_those_of_one_triangle_at_a_time() {
         let mut seed = 7;
         for round in 0..2000 {
-            let mut points = || [(); 3].map(|()| f32x8::new([(); LANES].map(|()| random(&mut seed))));
-            let (mut triangles, from) =
-                (Triangles { corner: points(), sides: [points(), points()] }, points());
-            if round % 4 == 0 {
-                // Without area.
-                triangles.sides[1] = triangles.sides[0].map(|side| side * (round % 3) as f32);
-            }
+            let mut point = || Point::from_array([(); 3].map(|()| f64::from(random(&mut seed))));
+            let corners = [(); LANES].map(|()| {
+                let [a, b, c] = [point(), point(), point()];
+                // Some without area.
+                let share = f64::from(round % 3);
+                if round % 4 == 0 { [a, b, a + (b - a) * share] } else { [a, b, c] }
+            });
+            let places = [(); LANES].map(|()| point());
+            let from = [0, 1, 2].map(|axis: usize| f32x8::new(places.map(|place| place[axis] as f32)));
+            let facets = corners.map(|corners| Facet::new(corners, [1, 2, 3]));
+            let (triangles, sides) = Facet::gather(std::array::from_fn(|lane| &facets[lane]));
             let feet = triangles.feet(&from);
-            let across = feet.across([1.0, 2.0, 3.0].map(f32x8::splat), f32x8::ZERO);
+            let across = feet.across(sides, f32x8::ZERO);
             for lane in 0..LANES {
-                let at = |points: &Points| {
-                    Point::from_array([0, 1, 2].map(|axis: usize| f64::from(points[axis].as_array()[lane])))
-                };
-                let corner = at(&triangles.corner);
-                let [b, c] = triangles.sides.each_ref().map(|side| corner + at(side));
-                let nearest = Triangle([corner, b, c]).nearest(at(&from));
-                let exact = at(&from).distance(nearest.point);
-                let squared = f64::from(feet.squared().as_array()[lane]);
+                let nearest = Triangle(corners[lane]).nearest(places[lane]);
+                let exact = places[lane].distance(nearest.point);
+                let squared = f64::from(feet.squared.as_array()[lane]);
                 assert!((squared.sqrt() - exact).abs() < 3e-4, "{} for {exact}", squared.sqrt());
-                assert!((at(&feet.offsets).length_squared() - squared).abs() < 1e-5);
+                let offset = Point::from_array(
+                    [0, 1, 2].map(|axis: usize| f64::from(feet.offsets[axis].as_array()[lane])),
+                );
+                assert!((offset.length_squared() - squared).abs() < 1e-5);
+                assert!(offset.distance(places[lane] - nearest.point) < 3e-3, "{offset}");
                 let inside = nearest.weights.iter().all(|&weight| weight > 1e-3);
                 assert!(!inside || across.as_array()[lane].is_nan());
+                let outside = nearest.weights.contains(&0.0) && exact > 1e-3;
+                assert!(!outside || round % 4 == 0 || !across.as_array()[lane].is_nan());
             }
         }
     }
 
     #[test]
     fn the_way_leads_across_the_side_of_the_nearest_point() {
-        let wide = |point: [f32; 3]| point.map(f32x8::splat);
-        let sides = [wide([2.0, 0.0, 0.0]), wide([0.0, 2.0, 0.0])];
-        let triangles = Triangles { corner: wide([0.0; 3]), sides };
-        let across = |x, y, not: f32| {
-            let feet = triangles.feet(&wide([x, y, 1.0]));
-            feet.across([0.0, 1.0, 2.0].map(f32x8::splat), f32x8::splat(not)).as_array()[3]
+        let facet = Facet::new([Point::ZERO, 2.0 * Point::X, 2.0 * Point::Y], [0, 1, 2]);
+        let (triangles, sides) = Facet::gather([&facet; LANES]);
+        let across = |x, y, not: u32| {
+            let feet = triangles.feet(&[x, y, 1.0].map(f32x8::splat));
+            let across = feet.across(sides, f32x8::splat(f32::from_bits(not))).as_array()[3];
+            (!across.is_nan()).then_some(across.to_bits())
         };
-        assert_eq!([across(0.5, -1.0, 3.0), across(1.5, 1.5, 3.0), across(-1.0, 0.5, 3.0)], [0.0, 1.0, 2.0]);
-        assert_eq!([across(-1.0, -2.0, 3.0), across(-2.0, -1.0, 3.0)], [0.0, 2.0]);
-        assert_eq!([across(-1.0, -2.0, 0.0), across(-2.0, -1.0, 2.0)], [2.0, 0.0]);
-        assert!(across(0.5, 0.5, 3.0).is_nan() && across(0.5, -1.0, 0.0).is_nan());
+        let some = |sides: [u32; 2]| sides.map(Some);
+        assert_eq!([across(0.5, -1.0, 3), across(1.5, 1.5, 3)], some([0, 1]));
+        assert_eq!(across(-1.0, 0.5, 3), Some(2));
+        assert_eq!([across(-1.0, -2.0, 3), across(-2.0, -1.0, 3)], some([0, 2]));
+        assert_eq!([across(-1.0, -2.0, 0), across(-2.0, -1.0, 2)], some([2, 0]));
+        assert_eq!([across(0.5, 0.5, 3), across(0.5, -1.0, 0)], [None, None]);
     }
 
     #[test]
     fn what_is_not_finite_is_near_nothing() {
-        let wide = |at: f32| [f32x8::splat(at); 3];
-        let triangles = Triangles { corner: wide(f32::INFINITY), sides: [wide(f32::NAN), wide(1.0)] };
-        assert_eq!(triangles.feet(&wide(0.0)).squared().simd_lt(f32x8::splat(1e30)).to_bitmask(), 0);
+        let corners = [Point::splat(1e300), Point::ONE, Point::X];
+        for turn in 0..3 {
+            let facet = Facet::new([0, 1, 2].map(|corner| corners[(corner + turn) % 3]), [0; 3]);
+            let (triangles, _) = Facet::gather([&facet; LANES]);
+            let squared = triangles.feet(&[f32x8::ZERO; 3]).squared;
+            assert_eq!(squared.simd_lt(f32x8::splat(0.5)).to_bitmask(), 0);
+        }
     }
 }

@@ -3,17 +3,17 @@
 use rayon::prelude::*;
 use wide::f32x8;
 
-use super::lanes::{Feet, LANES, Triangles};
-use super::rows::{self, Rows, set};
-use super::surface::Surface;
+use super::lanes::{LANES, Points, Triangles};
+use super::rows::{self, Eight, Rows, Ruler};
+use super::surface::{Facet, NONE, Surface};
 use crate::field::Grid;
 use crate::mesh::Point;
 
-/// Nodes from the first to the last along each axis.
-#[derive(Clone, Copy, Debug)]
+/// Nodes from the first on along each axis, up to but not with the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Nodes {
-    first: [usize; 3],
-    last: [usize; 3],
+    first: [u32; 3],
+    end: [u32; 3],
 }
 
 /// Triangles by slab.
@@ -27,7 +27,9 @@ struct Bins {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seeding<'a> {
     pub(super) surface: &'a Surface<'a>,
+    pub(super) facets: &'a [Facet],
     pub(super) grid: &'a Grid,
+    pub(super) ruler: Ruler,
     /// Planes of nodes in a slab.
     pub(super) slab: usize,
     /// How far beyond a triangle, in cells, cells are taken to be met by it.
@@ -36,16 +38,25 @@ pub(super) struct Seeding<'a> {
 
 /// A slab at work: planes of rows along y, x after x.
 struct Slab<'a> {
-    rows: &'a mut [Vec<f32>],
+    rows: &'a mut [Vec<Eight>],
+    ruler: Ruler,
     /// Squared distance to the nearest point so far.
-    squared: Vec<f32>,
+    squared: &'a mut [f32],
     /// The first plane, and one beyond the last.
-    planes: [usize; 2],
-    /// Nodes along x and y, and the numbers of a row.
+    planes: [u32; 2],
+    /// Nodes along x and y, and the vectors of a row.
     sides: [usize; 2],
     width: usize,
-    /// A node near the triangle, the same in every slab.
-    base: [usize; 3],
+}
+
+/// The nearest points of eight nodes so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    squared: f32x8,
+    /// From these points to the nodes.
+    offsets: Points,
+    /// Their triangles, as bits.
+    triangles: f32x8,
 }
 
 impl Seeding<'_> {
@@ -53,24 +64,27 @@ impl Seeding<'_> {
     pub(super) fn run(&self) -> Rows {
         let [width, height, depth] = self.grid.extent;
         let mut rows = Rows::new(depth, width, height);
-        let bins = self.bins();
-        rows.chunks_mut(self.slab).enumerate().for_each(|(number, planes_of)| {
+        let nodes = self.nodes();
+        let bins = self.bins(&nodes);
+        rows.chunks_mut(self.slab).enumerate().for_each_init(Vec::new, |squared, (number, rows)| {
             let planes = [number * self.slab, ((number + 1) * self.slab).min(depth)];
             let [start, end] = [0, 1].map(|next| bins.starts[number + next] as usize);
-            if start < end {
-                let squared = vec![self.cap(); (planes[1] - planes[0]) * width * height];
-                let sides = [width, height];
-                let mut slab = Slab {
-                    rows: planes_of,
-                    squared,
-                    planes,
-                    sides,
-                    width: rows::width(height),
-                    base: [0; 3],
-                };
-                for &triangle in &bins.triangles[start..end] {
-                    self.seed(triangle, &mut slab);
-                }
+            if start == end {
+                return;
+            }
+            squared.clear();
+            squared.resize((planes[1] - planes[0]) * width * height, self.cap());
+            let mut slab = Slab {
+                rows,
+                ruler: self.ruler,
+                squared,
+                planes: planes.map(|plane| plane as u32),
+                sides: [width, height],
+                width: rows::width(height),
+            };
+            let alike = |&a: &u32, &b: &u32| nodes[a as usize] == nodes[b as usize];
+            for triangles in bins.triangles[start..end].chunk_by(alike) {
+                self.seed(triangles, nodes[triangles[0] as usize], &mut slab);
             }
         });
         rows
@@ -81,136 +95,179 @@ impl Seeding<'_> {
         self.surface.spacing.length_squared() as f32 * 1.0001
     }
 
-    /// The nodes of the cells that the bounding box of a triangle meets, `None` if none is in the grid.
-    fn nodes(&self, triangle: u32) -> Option<Nodes> {
-        let [a, b, c] = self.surface.corners(triangle).map(|corner| corner / self.surface.spacing);
-        let least = (a.min(b).min(c) - self.margin).floor().to_array();
-        let most = (a.max(b).max(c) + self.margin).ceil().to_array();
-        let extent = self.grid.extent;
-        let meets = (0..3).all(|axis| most[axis] >= 0.0 && least[axis] <= extent[axis] as f64 - 1.0);
-        meets.then(|| Nodes {
-            first: least.map(|at| at.max(0.0) as usize),
-            last: std::array::from_fn(|axis| (most[axis] as usize).min(extent[axis] - 1)),
-        })
+    /// The nodes of the cells that the bounding box of each triangle meets; no nodes where none is in the grid.
+    fn nodes(&self) -> Vec<Nodes> {
+        let end = Point::from_array(self.grid.extent.map(|nodes| nodes as f64));
+        let per_cell = self.surface.spacing.recip();
+        let nodes = |triangle: u32| {
+            let [a, b, c] = self.surface.corners(triangle);
+            let least = (a.min(b).min(c) * per_cell - self.margin).floor();
+            let most = (a.max(b).max(c) * per_cell + self.margin).ceil();
+            let meets = most.cmpge(Point::ZERO).all() && least.cmplt(end).all();
+            let most = if meets { (most + 1.0).min(end) } else { Point::ZERO };
+            // Conversion cuts off what is less than zero.
+            let [first, end] = [least, most].map(|point| point.to_array().map(|at| at as u32));
+            Nodes { first, end }
+        };
+        let count = self.surface.triangles.len() as u32;
+        (0..count).into_par_iter().with_min_len(4096).map(nodes).collect()
     }
 
     /// Sorts triangles by the slabs that their nodes belong to.
-    fn bins(&self) -> Bins {
-        let count = self.surface.triangles.len() as u32;
-        let slabs = |triangle: u32| {
-            let nodes = self.nodes(triangle);
-            nodes.map_or(1..1, |nodes| nodes.first[2] / self.slab..nodes.last[2] / self.slab + 1)
-        };
-        let slabs: Vec<_> = (0..count).into_par_iter().with_min_len(4096).map(slabs).collect();
+    fn bins(&self, nodes: &[Nodes]) -> Bins {
+        let slab = self.slab as u32;
+        let slabs = |nodes: &Nodes| nodes.first[2] / slab..nodes.end[2].div_ceil(slab);
         let mut starts = vec![0_u32; self.grid.extent[2].div_ceil(self.slab) + 1];
-        slabs.iter().cloned().flatten().for_each(|slab| starts[slab] += 1);
+        nodes.iter().flat_map(slabs).for_each(|slab| starts[slab as usize] += 1);
         let mut sum = 0;
         for start in &mut starts {
             sum += *start;
             *start = sum;
         }
         let mut triangles = vec![0; sum as usize];
-        for (triangle, slabs) in slabs.into_iter().enumerate().rev() {
-            for slab in slabs {
-                starts[slab] -= 1;
-                triangles[starts[slab] as usize] = triangle as u32;
+        for (triangle, nodes) in nodes.iter().enumerate().rev() {
+            for slab in slabs(nodes) {
+                let start = &mut starts[slab as usize];
+                *start -= 1;
+                triangles[*start as usize] = triangle as u32;
             }
         }
         Bins { starts, triangles }
     }
 
-    /// Gives the nodes of a slab that are near a triangle their closest points on it.
-    fn seed(&self, triangle: u32, slab: &mut Slab<'_>) {
-        let Some(mut nodes) = self.nodes(triangle) else { return };
-        slab.base = nodes.first;
-        nodes.first[2] = nodes.first[2].max(slab.planes[0]);
-        nodes.last[2] = nodes.last[2].min(slab.planes[1] - 1);
-        if nodes.last == nodes.first.map(|at| at + 1) && slab.base == nodes.first {
-            self.offer_cell(triangle, nodes.first, slab);
-            return;
+    /// Gives the nodes of a slab that are near triangles, all in the same cells, their closest points on them.
+    fn seed(&self, triangles: &[u32], mut nodes: Nodes, slab: &mut Slab<'_>) {
+        let base = nodes.first;
+        if nodes.end == base.map(|at| at + 2) {
+            self.offer_cell(triangles, base, slab);
+        } else {
+            nodes.first[2] = base[2].max(slab.planes[0]);
+            nodes.end[2] = nodes.end[2].min(slab.planes[1]);
+            triangles.iter().for_each(|&triangle| self.visit(triangle, base, nodes, slab));
         }
-        self.visit(triangle, nodes, slab);
     }
 
     /// Looks at some nodes, at fewer of them where the triangle is far from most.
-    fn visit(&self, triangle: u32, nodes: Nodes, slab: &mut Slab<'_>) {
-        let sides: [usize; 3] = std::array::from_fn(|axis| nodes.last[axis] + 1 - nodes.first[axis]);
-        if sides.iter().product::<usize>() <= 8 * LANES {
-            self.offer(triangle, nodes, slab);
+    fn visit(&self, triangle: u32, base: [u32; 3], nodes: Nodes, slab: &mut Slab<'_>) {
+        let sides: [u32; 3] = std::array::from_fn(|axis| nodes.end[axis] - nodes.first[axis]);
+        if sides.iter().map(|&side| side as usize).product::<usize>() <= 8 * LANES {
+            self.offer(triangle, base, nodes, slab);
             return;
         }
-        let (low, high) = (self.surface.node(nodes.first), self.surface.node(nodes.last));
+        let at = |node: [u32; 3]| self.surface.node(node.map(|index| index as usize));
+        let (low, high) = (at(nodes.first), at(nodes.end.map(|end| end - 1)));
         let reach = 0.5 * low.distance(high) + 1.01 * self.surface.spacing.length();
-        let corners = self.surface.corners(triangle);
         let middle = 0.5 * (low + high);
-        let nearest = crate::measure::Triangle(corners).nearest(middle).point;
+        let nearest = crate::measure::Triangle(self.surface.corners(triangle)).nearest(middle).point;
         if nearest.distance_squared(middle) > reach * reach {
             return;
         }
         let axis = (0..3).max_by_key(|&axis| sides[axis]).unwrap_or(0);
         let (mut lower, mut upper) = (nodes, nodes);
-        lower.last[axis] = nodes.first[axis] + sides[axis] / 2 - 1;
-        upper.first[axis] = nodes.first[axis] + sides[axis] / 2;
-        self.visit(triangle, lower, slab);
-        self.visit(triangle, upper, slab);
+        lower.end[axis] = nodes.first[axis] + sides[axis] / 2;
+        upper.first[axis] = lower.end[axis];
+        self.visit(triangle, base, lower, slab);
+        self.visit(triangle, base, upper, slab);
     }
 
     /// Offers nodes their closest points on a triangle, as many as there are lanes at a time.
-    fn offer(&self, triangle: u32, nodes: Nodes, slab: &mut Slab<'_>) {
-        let triangles = self.triangles(triangle, slab.base);
-        let spacing = self.surface.spacing.as_vec3().to_array();
+    fn offer(&self, triangle: u32, base: [u32; 3], nodes: Nodes, slab: &mut Slab<'_>) {
+        let triangles = self.triangles(triangle, base);
         let mut next = Some(nodes.first);
         while let Some(first) = next {
-            let (mut places, mut from) = ([first; LANES], [[0.0; LANES]; 3]);
+            let (mut places, mut from) = ([first; LANES], [[0; LANES]; 3]);
             let mut count = 0;
             while let (Some(node), true) = (next, count < LANES) {
                 places[count] = node;
                 for axis in 0..3 {
-                    from[axis][count] = (node[axis] - slab.base[axis]) as f32 * spacing[axis];
+                    from[axis][count] = node[axis] - base[axis];
                 }
                 count += 1;
                 next = nodes.after(node);
             }
-            slab.offer(triangle, &places[..count], &triangles.feet(&from.map(f32x8::new)), spacing);
+            let mut nearest = Nearest::within(self.cap());
+            nearest.take(triangle, &triangles, &self.places(&from));
+            slab.offer(&places[..count], &nearest, self.spacing());
         }
     }
 
-    /// Offers the corners of a cell their closest points on a triangle in it.
-    fn offer_cell(&self, triangle: u32, first: [usize; 3], slab: &mut Slab<'_>) {
-        let spacing = self.surface.spacing.as_vec3().to_array();
-        let from = std::array::from_fn(|axis| f32x8::new(CELL.map(|lane| lane[axis] as f32 * spacing[axis])));
-        let places = CELL.map(|lane| std::array::from_fn(|axis| first[axis] + lane[axis]));
-        let feet = self.triangles(triangle, slab.base).feet(&from);
-        slab.offer(triangle, &places, &feet, spacing);
+    /// Offers the corners of a cell their closest points on triangles in it.
+    fn offer_cell(&self, triangles: &[u32], base: [u32; 3], slab: &mut Slab<'_>) {
+        let from = self.places(&CELL);
+        let mut nearest = Nearest::within(self.cap());
+        for &triangle in triangles {
+            nearest.take(triangle, &self.triangles(triangle, base), &from);
+        }
+        let places = std::array::from_fn::<_, LANES, _>(|lane| {
+            [base[0] + CELL[0][lane], base[1] + CELL[1][lane], base[2] + CELL[2][lane]]
+        });
+        slab.offer(&places, &nearest, self.spacing());
     }
 
-    /// A triangle for all lanes. Near the triangle numbers are small, and differences exact.
-    fn triangles(&self, triangle: u32, base: [usize; 3]) -> Triangles {
-        let origin = self.surface.node(base);
-        let [a, b, c] = self.surface.corners(triangle);
-        let wide = |point: Point| point.as_vec3().to_array().map(f32x8::splat);
-        Triangles { corner: wide(a - origin), sides: [wide(b - a), wide(c - a)] }
+    fn spacing(&self) -> [f32; 3] {
+        self.surface.spacing.as_vec3().to_array()
+    }
+
+    /// Where nodes lie that are a few nodes away from a base.
+    #[inline(always)]
+    fn places(&self, steps: &[[u32; LANES]; 3]) -> Points {
+        let spacing = self.spacing();
+        std::array::from_fn(|axis| f32x8::new(steps[axis].map(|step| step as f32)) * spacing[axis])
+    }
+
+    /// A triangle for all lanes, seen from a node near it, where numbers are small.
+    #[inline(always)]
+    fn triangles(&self, triangle: u32, base: [u32; 3]) -> Triangles {
+        let origin = self.surface.node(base.map(|at| at as usize));
+        self.facets[triangle as usize].spread(origin.as_vec3().to_array())
     }
 }
 
-/// The corners of a cell.
-const CELL: [[usize; 3]; LANES] =
-    [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1], [1, 0, 1], [1, 1, 1]];
+/// The corners of a cell, axis by axis.
+const CELL: [[u32; LANES]; 3] =
+    [[0, 0, 1, 1, 0, 0, 1, 1], [0, 1, 0, 1, 0, 1, 0, 1], [0, 0, 0, 0, 1, 1, 1, 1]];
+
+impl Nearest {
+    /// No points, and none that is farther away than this, squared, will do.
+    fn within(most: f32) -> Self {
+        let none = f32x8::splat(f32::from_bits(NONE));
+        Self { squared: f32x8::splat(most), offsets: [f32x8::ZERO; 3], triangles: none }
+    }
+
+    /// Takes the points of a triangle that are nearer.
+    #[inline(always)]
+    fn take(&mut self, triangle: u32, triangles: &Triangles, from: &Points) {
+        let feet = triangles.feet(from);
+        let nearer = feet.squared.simd_lt(self.squared);
+        self.squared = nearer.select(feet.squared, self.squared);
+        for axis in 0..3 {
+            self.offsets[axis] = nearer.select(feet.offsets[axis], self.offsets[axis]);
+        }
+        self.triangles = nearer.select(f32x8::splat(f32::from_bits(triangle)), self.triangles);
+    }
+}
 
 impl Slab<'_> {
-    /// Offers nodes the points of a triangle that are nearest to them.
+    /// Offers points to nodes, as far as they are in the slab.
     #[inline(always)]
-    fn offer(&mut self, triangle: u32, places: &[[usize; 3]], feet: &Feet, spacing: [f32; 3]) {
-        let (found, offsets) = (feet.squared().to_array(), feet.offsets.map(f32x8::to_array));
+    fn offer(&mut self, places: &[[u32; 3]], nearest: &Nearest, spacing: [f32; 3]) {
+        let (found, offsets) = (nearest.squared.as_array(), &nearest.offsets);
         let [width, height] = self.sides;
-        for (lane, &[x, y, z]) in places.iter().enumerate() {
-            let plane = z - self.planes[0];
+        for (lane, &node) in places.iter().enumerate() {
+            let (x, y, plane) =
+                (node[0] as usize, node[1] as usize, node[2].wrapping_sub(self.planes[0]) as usize);
+            if plane >= self.rows.len() {
+                continue;
+            }
             let squared = &mut self.squared[(plane * width + x) * height + y];
             if found[lane] < *squared {
                 *squared = found[lane];
-                let at = |axis: usize| [x, y, z][axis] as f32 * spacing[axis] - offsets[axis][lane];
-                let row = &mut self.rows[plane][x * self.width..][..self.width];
-                set(row, y, [at(1), at(0), at(2)], triangle);
+                let eight = &mut self.rows[plane][x * self.width + y / LANES];
+                for axis in 0..3 {
+                    let at = node[axis] as f32 * spacing[axis] - offsets[axis].as_array()[lane];
+                    eight.points[axis][y % LANES] = self.ruler.read(at);
+                }
+                eight.triangles[y % LANES] = nearest.triangles.as_array()[lane].to_bits();
             }
         }
     }
@@ -218,14 +275,14 @@ impl Slab<'_> {
 
 impl Nodes {
     /// The node after another: y first, then x.
-    fn after(&self, [x, y, z]: [usize; 3]) -> Option<[usize; 3]> {
+    fn after(&self, [x, y, z]: [u32; 3]) -> Option<[u32; 3]> {
         let [left, low, _] = self.first;
-        let [right, high, deep] = self.last;
-        if y < high {
+        let [right, high, deep] = self.end;
+        if y + 1 < high {
             Some([x, y + 1, z])
-        } else if x < right {
+        } else if x + 1 < right {
             Some([x + 1, low, z])
-        } else if z < deep {
+        } else if z + 1 < deep {
             Some([left, low, z + 1])
         } else {
             None

@@ -11,30 +11,29 @@ use rayon::prelude::*;
 
 use wide::f32x8;
 
-use super::lanes::LANES;
-use super::rows::{Row, load, nodes, points, squared, store};
+use super::lanes::{LANES, ones};
+use super::rows::{Eight, Ruler};
 
 /// Planes of rows, and where they lie.
 pub(super) struct Planes<'a> {
     /// The rows of each plane.
-    pub(super) rows: Vec<Vec<&'a mut [f32]>>,
-    /// Distance between the nodes of a row.
-    pub(super) step: f32,
-    /// Distance between planes, and between the rows of a plane.
-    pub(super) apart: [f32; 2],
-    /// Which of these is the second axis of points: 0 if that is the one from plane to plane.
-    pub(super) second: usize,
+    pub(super) rows: Vec<Vec<&'a mut [Eight]>>,
+    /// The axes along rows, from row to row, and from plane to plane.
+    pub(super) axes: [usize; 3],
+    pub(super) ruler: Ruler,
     /// Points farther away than this, squared, are not taken.
     pub(super) reach: f32,
+    /// Nearest, squared, that a point may be without being exact: nodes that have nearer ones keep them.
+    pub(super) near: f32,
 }
 
 impl<'a> Planes<'a> {
     /// Puts rows into planes: row n belongs to plane n mod `count`, if `cyclic`, else `count` planes follow each other.
     pub(super) fn arrange(
-        rows: impl Iterator<Item = &'a mut [f32]>,
+        rows: impl Iterator<Item = &'a mut [Eight]>,
         count: usize,
         cyclic: bool,
-    ) -> Vec<Vec<&'a mut [f32]>> {
+    ) -> Vec<Vec<&'a mut [Eight]>> {
         let rows: Vec<_> = rows.collect();
         let each = rows.len() / count;
         let mut planes: Vec<Vec<_>> = (0..count).map(|_| Vec::with_capacity(each)).collect();
@@ -58,71 +57,153 @@ impl<'a> Planes<'a> {
         let last = theirs.len() - 1;
         let batch = theirs.len().div_ceil(rayon::current_num_threads());
         let rows = mine.par_iter_mut().enumerate().with_min_len(batch);
-        let (apart, second, reach, step) = (self.apart, self.second, self.reach, self.step);
-        rows.map(|(number, row)| {
-            let near = [number.saturating_sub(1), number, (number + 1).min(last)];
-            let mut others = [plane as f32 * apart[0], number as f32 * apart[1]];
-            if second == 1 {
-                others.reverse();
-            }
-            take(row, near.map(|near| Row(theirs[near])), Place { step, others, reach })
-        })
+        let (ruler, axes, limits) = (self.ruler, self.axes, [self.near, self.reach].map(f32x8::splat));
+        rows.map_init(
+            || Look { ruler, axes, limits, lines: Default::default() },
+            |look, (number, row)| {
+                let near = [number.saturating_sub(1), number, (number + 1).min(last)];
+                let from = [&*theirs[near[0]], &*theirs[near[1]], &*theirs[near[2]]];
+                for (near, from) in near.into_iter().zip(from) {
+                    look.read(near, from);
+                }
+                look.take(row, [number, plane], near, from)
+            },
+        )
         .sum()
     }
 }
 
-/// Numbers of the nine nodes that a node looks at, and of itself.
-const PLACES: [[f32x8; 3]; 3] = [
-    [f32x8::splat(0.0), f32x8::splat(1.0), f32x8::splat(2.0)],
-    [f32x8::splat(3.0), f32x8::splat(4.0), f32x8::splat(5.0)],
-    [f32x8::splat(6.0), f32x8::splat(7.0), f32x8::splat(8.0)],
-];
-const OWN: f32x8 = f32x8::splat(9.0);
-
-/// Where a row lies.
-#[derive(Clone, Copy)]
-struct Place {
-    step: f32,
-    others: [f32; 2],
-    reach: f32,
+/// Eight nodes and the points of their neighbours before, beside and after them in another row.
+#[derive(Clone, Copy, Debug, Default)]
+struct Three {
+    /// Squared distances along the row.
+    along: [f32x8; 3],
+    /// Places along the other axes.
+    second: [f32x8; 3],
+    third: [f32x8; 3],
 }
 
-/// The nodes of a row look at those of three others. Returns how many took another point.
-///
-/// In most sweeps most nodes take none, so that distances alone are looked at first.
-fn take(row: &mut [f32], from: [Row<'_>; 3], place: Place) -> u64 {
-    let mut taken = 0;
-    for first in (0..row.len() / 4 - LANES).step_by(LANES) {
-        let nodes = nodes(first, place.step, place.others);
-        let own = Row(row).window(first);
-        let before = squared(&nodes, &points(own, 1)).fast_min(f32x8::splat(place.reach));
-        let windows = [from[0].window(first), from[1].window(first), from[2].window(first)];
-        let (mut least, mut which) = (before, OWN);
-        for (window, places) in windows.into_iter().zip(PLACES) {
-            for (shift, place) in places.into_iter().enumerate() {
-                let offered = squared(&nodes, &points(window, shift));
-                let nearer = offered.simd_lt(least);
-                least = nearer.select(offered, least);
-                which = nearer.select(place, which);
+/// A row of points that nodes of another row look at.
+#[derive(Debug, Default)]
+struct Line {
+    /// Which row of its plane, counted from 1.
+    number: usize,
+    threes: Vec<Three>,
+}
+
+/// A look from row to row.
+#[derive(Debug)]
+struct Look {
+    ruler: Ruler,
+    axes: [usize; 3],
+    /// Squared distances between which nodes look for points.
+    limits: [f32x8; 2],
+    /// The rows last read.
+    lines: [Line; 3],
+}
+
+/// Which neighbour has the least of nine offers: four times the row, and the place in it.
+const WHICH: [[f32x8; 3]; 3] = [
+    [f32x8::splat(0.0), f32x8::splat(1.0), f32x8::splat(2.0)],
+    [f32x8::splat(4.0), f32x8::splat(5.0), f32x8::splat(6.0)],
+    [f32x8::splat(8.0), f32x8::splat(9.0), f32x8::splat(10.0)],
+];
+
+impl Look {
+    /// Reads a row of points, unless it was read before.
+    fn read(&mut self, number: usize, row: &[Eight]) {
+        let line = &mut self.lines[number % 3];
+        if line.number == number + 1 {
+            return;
+        }
+        line.number = number + 1;
+        line.threes.resize(row.len(), Three::default());
+        let [along, second, third] = self.axes;
+        let mut before = &Eight::NONE;
+        for (at, (eight, three)) in row.iter().zip(&mut line.threes).enumerate() {
+            let next = row.get(at + 1).unwrap_or(&Eight::NONE);
+            let nodes = self.ruler.nodes(along, at * LANES);
+            let offsets = eight.between(before, next, along);
+            for (square, offset) in three.along.iter_mut().zip(offsets) {
+                *square = (offset - nodes) * (offset - nodes);
             }
+            three.second = eight.between(before, next, second);
+            three.third = eight.between(before, next, third);
+            before = eight;
         }
-        let nearer = which.simd_ne(OWN).to_bitmask();
-        if nearer == 0 {
-            continue;
-        }
-        taken += u64::from(nearer.count_ones());
-        let (mut nearest, mut triangles) = (points(own, 1), load(own[3], 1));
-        for (window, places) in windows.into_iter().zip(PLACES) {
-            for (shift, place) in places.into_iter().enumerate() {
-                let here = which.simd_eq(place);
-                let theirs = points(window, shift);
-                for axis in 0..3 {
-                    nearest[axis] = here.select(theirs[axis], nearest[axis]);
-                }
-                triangles = here.select(load(window[3], shift), triangles);
-            }
-        }
-        store(row, first, &nearest, triangles);
     }
-    taken
+
+    /// The nodes of a row look at the points of three others. Returns how many took another point.
+    ///
+    /// In most sweeps most nodes take none, so that distances alone are looked at first.
+    fn take(
+        &self,
+        row: &mut [Eight],
+        [number, plane]: [usize; 2],
+        near: [usize; 3],
+        from: [&[Eight]; 3],
+    ) -> u64 {
+        let [along, second, third] = self.axes;
+        let others = [self.ruler.node(second, number), self.ruler.node(third, plane)].map(f32x8::splat);
+        let lines = near.map(|near| &self.lines[near % 3].threes[..row.len()]);
+        let [exact, reach] = self.limits;
+        let mut taken = 0;
+        for (at, eight) in row.iter_mut().enumerate() {
+            let nodes = self.ruler.nodes(along, at * LANES);
+            let offers =
+                [lines[0][at].offers(others), lines[1][at].offers(others), lines[2][at].offers(others)];
+            let [first, middle, last] = offers.map(|[a, b, c]| a.fast_min(b.fast_min(c)));
+            let least = first.fast_min(middle.fast_min(last)).fast_min(reach);
+            let offset = eight.along(along) - nodes;
+            let own = offset * offset + apart([eight.along(second), eight.along(third)], others);
+            let nearer = (least.simd_lt(own) & own.simd_gt(exact) & least.simd_lt(reach)).to_bitmask();
+            if nearer != 0 {
+                taken += u64::from(nearer.count_ones());
+                choose(eight, nearer, which(&offers, least), (at, from));
+            }
+        }
+        taken
+    }
+}
+
+/// Squared distance along two axes.
+#[inline(always)]
+fn apart(points: [f32x8; 2], others: [f32x8; 2]) -> f32x8 {
+    let offsets = [points[0] - others[0], points[1] - others[1]];
+    offsets[0] * offsets[0] + offsets[1] * offsets[1]
+}
+
+impl Three {
+    /// Squared distances of the nodes of a row, whose places along the other axes are given, from the points.
+    #[inline(always)]
+    fn offers(&self, others: [f32x8; 2]) -> [f32x8; 3] {
+        let offer = |n: usize| self.along[n] + apart([self.second[n], self.third[n]], others);
+        [offer(0), offer(1), offer(2)]
+    }
+}
+
+/// Which of nine offers is the least.
+#[inline(always)]
+fn which(offers: &[[f32x8; 3]; 3], least: f32x8) -> [i32; LANES] {
+    let mut which = f32x8::ZERO;
+    for (offer, number) in offers.as_flattened().iter().zip(WHICH.as_flattened()) {
+        which = offer.simd_eq(least).select(*number, which);
+    }
+    which.fast_trunc_int().to_array()
+}
+
+/// Gives some of eight nodes the points of their neighbours in other rows.
+#[inline(always)]
+fn choose(eight: &mut Eight, some: u32, which: [i32; LANES], (at, from): (usize, [&[Eight]; 3])) {
+    for lane in ones(some) {
+        let (row, shift) = (which[lane] as usize / 4, which[lane] as usize % 4);
+        let node = (at * LANES + lane + shift).wrapping_sub(1);
+        // There are no points beyond the ends of rows.
+        if let Some(theirs) = from[row].get(node / LANES) {
+            for (points, theirs) in eight.points.iter_mut().zip(&theirs.points) {
+                points[lane] = theirs[node % LANES];
+            }
+            eight.triangles[lane] = theirs.triangles[node % LANES];
+        }
+    }
 }
