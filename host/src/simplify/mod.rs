@@ -7,12 +7,15 @@ mod collapse;
 mod corners;
 mod deviation;
 mod edge_removal;
+mod history;
+mod layout;
 mod leaf_faces;
 mod legality;
 mod octree;
 mod parts;
 mod priority;
 mod separate;
+mod spots;
 mod star;
 mod surface;
 
@@ -22,6 +25,7 @@ mod tests;
 pub use base::{BaseMesh, base_mesh};
 pub use collapse::{Collapsed, collapse_edges};
 pub use edge_removal::remove_edges;
+pub use history::History;
 pub use leaf_faces::octree_mesh;
 pub use octree::{OctreeOptions, Solid};
 
