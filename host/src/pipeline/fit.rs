@@ -3,6 +3,7 @@
 use crate::field::ScalarField;
 use crate::measure::{Bounds, Bvh, Closest};
 use crate::mesh::{Point, PolygonMesh, Sets, TriangleMesh};
+use crate::simplify::History;
 use crate::wrap::{Misfit, ways};
 
 /// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
@@ -105,6 +106,35 @@ impl<'a> Aim<'a> {
             missed: self.missed(&of_target),
         };
         Measured { fit, of_target, of_surface, closest }
+    }
+
+    /// The component of the target that each vertex of a surface belongs to, by its first vertex.
+    pub(super) fn components_of(&self, surface: &PolygonMesh, history: &History) -> Vec<u32> {
+        let mut sets = Sets::new(surface.positions.len());
+        for face in surface.faces().iter() {
+            face.iter().for_each(|&corner| sets.join(face[0], corner));
+        }
+        // The first vertex of a component is one of the base mesh.
+        let of = |vertex| self.components[history.origin(sets.root(vertex)) as usize];
+        (0..surface.positions.len() as u32).map(of).collect()
+    }
+
+    /// For each vertex of the target that a component is named by, whether that is farther than `rms` or somewhere farther
+    /// than `most` from the surface, whose vertices belong to `ones`, or the surface from it.
+    pub(super) fn misfits(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<bool> {
+        let mut misfits = vec![false; self.components.len()];
+        for (components, distances) in [(ones, &measured.of_surface), (&self.components, &measured.of_target)]
+        {
+            let mut tallies = vec![(0.0, 0.0); misfits.len()];
+            for (&component, &distance) in components.iter().zip(distances) {
+                let (squares, count) = &mut tallies[component as usize];
+                (*squares, *count) = (*squares + distance * distance, *count + 1.0);
+                misfits[component as usize] |= distance > most;
+            }
+            let is_off = tallies.iter().map(|(squares, count)| *squares > rms * rms * count);
+            misfits.iter_mut().zip(is_off).for_each(|(misfit, off)| *misfit |= off);
+        }
+        misfits
     }
 
     fn missed(&self, distances: &[f64]) -> Vec<Missed> {

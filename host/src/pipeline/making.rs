@@ -4,10 +4,9 @@ use super::care::Care;
 use super::fit::{Aim, Fit, Measured};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
-use crate::measure::Bvh;
 use crate::mesh::{PolygonMesh, TriangleMesh};
-use crate::simplify::{Constraints, Target, base_mesh};
-use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
+use crate::simplify::{BaseMesh, Constraints, Target, base_mesh};
+use crate::wrap::{self, Lines, WrapOptions, Wrapped, settle, wrap};
 
 /// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
 const RMS: f64 = 0.05;
@@ -42,8 +41,7 @@ impl Making<'_> {
             self.made(&aim, target(self.contour, self.options.share)?, done)?;
         let mut care = Care::none(self.contour, fitted.base.positions.len());
         let mut measured = measured;
-        // The facets of a coarse mesh need not be told from smooth surfaces.
-        let unit = self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0);
+        let unit = self.unit(&aim);
         for _ in 0..self.options.rounds {
             let fits = measured.fit.rms() <= RMS * unit && measured.fit.most() <= MOST * unit;
             if fits || !care.take(&aim, &measured, OFF * unit) {
@@ -63,6 +61,12 @@ impl Making<'_> {
         Ok(fitted)
     }
 
+    /// What distances from the target are to be told in, in cells' edges: the facets of a coarse mesh need not be told from
+    /// smooth surfaces.
+    fn unit(&self, aim: &Aim) -> f64 {
+        self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0)
+    }
+
     /// Makes a surface; its measures and the error of its base mesh, too.
     fn made(
         &self,
@@ -72,23 +76,35 @@ impl Making<'_> {
     ) -> Result<(Fitted, Measured, f64), BuildError> {
         let base = base_mesh(self.contour, &self.constraints, target)?;
         done(Stage::Base);
-        let wrapped = self.wrapped(&aim.tree, &base.mesh)?;
-        let surface = &wrapped.surface;
-        let measured = aim.measure(&surface.level(surface.levels));
+        let lines = self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features));
+        let target = match self.field {
+            Some((field, isovalue)) => wrap::Target::Isosurface(field, isovalue.into()),
+            None => wrap::Target::Triangles(&aim.tree),
+        };
+        let BuildOptions { levels, tolerance, .. } = *self.options;
+        let options =
+            WrapOptions { levels, tolerance, target, lines: lines.as_ref(), ..WrapOptions::default() };
+        let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
+        let mut measured = aim.measure(&wrapped.surface.level(wrapped.surface.levels));
+        let placed = self.misfits(aim, &base, &wrapped, &measured);
+        if placed.contains(&true) {
+            let places = base.history.places(self.contour, &base.mesh, wrapped.surface.levels);
+            settle(&mut wrapped, &base.mesh, &places, &placed, self.distance, &options)?;
+            measured = aim.measure(&wrapped.surface.level(wrapped.surface.levels));
+        }
         done(Stage::Wrap);
         Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
     }
 
-    fn wrapped(&self, tree: &Bvh, base: &PolygonMesh) -> Result<Wrapped, WrapError> {
-        let BuildOptions { levels, tolerance, .. } = *self.options;
-        let options = WrapOptions { levels, tolerance, ..WrapOptions::default() };
-        if let Some((field, isovalue)) = self.field {
-            let target = wrap::Target::Isosurface(field, isovalue.into());
-            return wrap(base, self.distance, &WrapOptions { target, ..options });
+    /// The vertices of components that do not fit.
+    fn misfits(&self, aim: &Aim, base: &BaseMesh, wrapped: &Wrapped, measured: &Measured) -> Vec<bool> {
+        if !self.constraints.features.edges.is_empty() {
+            return vec![false; wrapped.surface.positions.len()];
         }
-        let lines = Lines::of_mesh(self.contour, &self.constraints.features);
-        let target = wrap::Target::Triangles(tree);
-        wrap(base, self.distance, &WrapOptions { target, lines: Some(&lines), ..options })
+        let finest = wrapped.surface.level(wrapped.surface.levels);
+        let ones = aim.components_of(&finest, &base.history);
+        let misfits = aim.misfits(&ones, measured, [RMS * self.unit(aim), MOST * self.unit(aim)]);
+        ones.iter().map(|one| misfits[*one as usize]).collect()
     }
 }
 

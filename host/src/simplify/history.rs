@@ -119,6 +119,11 @@ impl History {
         self.triangles = triangles.to_vec();
     }
 
+    /// The vertex of the mesh that a vertex of the base mesh was, or grew from.
+    pub fn origin(&self, vertex: u32) -> u32 {
+        self.names.vertices[vertex as usize]
+    }
+
     /// Where the vertices of a surface belong on the mesh that its base mesh came from: the same places in the numbering of
     /// `Split` as those of `base` split `levels` times, spread over the mesh without folds or gaps, whatever its shape.
     ///
