@@ -14,7 +14,7 @@ const RMS: f64 = 0.05;
 const MOST: f64 = 1.0;
 /// Where it does not fit, the base mesh becomes finer around places farther than this.
 const OFF: f64 = 0.25;
-/// No further round unless the last one left less of the root mean square than this.
+/// No further round unless the last one left less than this of what distances are too large by.
 const LEFT: f64 = 0.9;
 
 /// What a surface is made of.
@@ -43,14 +43,16 @@ impl Making<'_> {
         let mut measured = measured;
         let unit = self.unit(&aim);
         for _ in 0..self.options.rounds {
-            let fits = measured.fit.rms() <= RMS * unit && measured.fit.most() <= MOST * unit;
-            if fits || !care.take(&aim, &measured, OFF * unit) {
+            // Where all in all it fits, only what is lost needs a finer base mesh.
+            let off = if measured.fit.rms() <= RMS * unit { MOST } else { OFF };
+            if !care.take(&aim, &measured, off * unit) {
                 break;
             }
-            self.constraints.errors = care.errors(error);
+            self.constraints.most = care.most(self.options.levels);
             let next;
             (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let left = next.fit.rms() / fitted.fit.rms();
+            let excess = |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.most() / (MOST * unit)).max(1.0);
+            let left = excess(&next.fit) / excess(&fitted.fit);
             if left < 1.0 {
                 fitted = next;
             }

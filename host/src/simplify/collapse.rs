@@ -71,8 +71,8 @@ pub fn collapse_edges(
 ) -> Result<Collapsed, SimplifyError> {
     let mut surface = Surface::new(mesh, constraints)?;
     let per_unit = 1.0 / surface.mean_edge().max(f64::MIN_POSITIVE);
-    for (vertex, &error) in surface.vertices.iter_mut().zip(&constraints.errors) {
-        vertex.accumulated = (f64::from(error) * per_unit) as f32;
+    for (vertex, &most) in surface.vertices.iter_mut().zip(&constraints.most) {
+        vertex.most = most;
     }
     let limit = target.error * per_unit;
     let parts = Parts::new(&surface.vertices, &surface.corners);
@@ -210,6 +210,8 @@ impl Collapse {
         let merged = Vertex {
             position: candidate.position,
             accumulated: candidate.error as f32,
+            stands_for: ends[0].stands_for + ends[1].stands_for,
+            most: ends[0].most.min(ends[1].most),
             valence: ends[0].valence + ends[1].valence - lost,
             boundary: ends[0].boundary || ends[1].boundary,
             ..match place {

@@ -39,9 +39,8 @@ pub struct Constraints {
     pub features: Features,
     /// The grid in whose border planes the boundary lies: it stays in them, and turns from one to another where it did.
     pub border: Option<Grid>,
-    /// The error that each vertex is taken to come with, in units of the positions: edges collapse the later, the larger it
-    /// is at their ends, and not at all where that is [`Target::error`] or more. Empty where there is none.
-    pub errors: Vec<f32>,
+    /// How many vertices, at most, one may stand for that is made of each vertex and others. Empty where any number may.
+    pub most: Vec<u32>,
 }
 
 /// When to stop.

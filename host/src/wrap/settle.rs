@@ -21,8 +21,10 @@ use crate::mesh::{Point, PolygonMesh};
 const ROUNDS: usize = 6;
 /// How far each moves a vertex towards its neighbours.
 const RELAXATION: f64 = 0.5;
-/// How far a vertex may move in a round, in lengths of its edges.
+/// How far a vertex may move in a round, in lengths of its edges, …
 const FARTHEST: f64 = 0.5;
+/// … and besides in distances from the surface: that leads back to it, at some angle.
+const SLANTED: f64 = 1.5;
 /// How near to the surface a vertex must come, in cells, to move.
 const THERE: f64 = 0.02;
 
@@ -78,11 +80,14 @@ fn moved(level: &Level, space: &Space, goal: &Goal, vertex: usize) -> Point {
     if !free {
         return place;
     }
-    let leash = FARTHEST * level.rings.edge_length(vertex, &level.positions);
-    let towards = relaxed(&level.rings, vertex, &level.positions, RELAXATION, false);
+    let off = goal.distance_in_cells(place, space) * space.cell;
+    let leash = FARTHEST * level.rings.edge_length(vertex, &level.positions) + SLANTED * off;
+    let normal = level.rings.normal(vertex, &level.positions);
+    let step = relaxed(&level.rings, vertex, &level.positions, RELAXATION, false) - place;
+    // Along the surface only, so that the tips of what is thin stay where they are.
+    let towards = place + step.reject_from(normal);
     let next = goal.approach(space.border.hold(sides, towards), sides, leash, space);
     let is_there = next.distance(place) <= leash && goal.distance_in_cells(next, space) <= THERE;
-    let normal = level.rings.normal(vertex, &level.positions);
     let turned = |place| level.rings.turned(vertex, &level.positions, place, normal);
     if is_there && turned(next) <= turned(place) { next } else { place }
 }
