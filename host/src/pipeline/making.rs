@@ -11,9 +11,11 @@ use crate::wrap::{self, Lines, WrapOptions, Wrapped, settle, wrap};
 /// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
 const RMS: f64 = 0.05;
 /// And a place of it that is at most so far.
-const MOST: f64 = 1.0;
-/// Where it does not fit, the base mesh becomes finer around places farther than this.
+const MOST: f64 = 1.5;
+/// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
+/// … than so many times the root mean square.
+const FAR: f64 = 2.0;
 /// No further round unless the last one left less than this of what distances are too large by.
 const LEFT: f64 = 0.9;
 
@@ -44,14 +46,16 @@ impl Making<'_> {
         let unit = self.unit(&aim);
         for _ in 0..self.options.rounds {
             // Where all in all it fits, only what is lost needs a finer base mesh.
-            let off = if measured.fit.rms() <= RMS * unit { MOST } else { OFF };
-            if !care.take(&aim, &measured, off * unit) {
+            let rms = measured.fit.rms();
+            let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
+            if !care.take(&aim, &measured, off) {
                 break;
             }
             self.constraints.most = care.most(self.options.levels);
             let next;
             (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let excess = |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.most() / (MOST * unit)).max(1.0);
+            let excess =
+                |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.most() / (MOST * unit)).max(1.0);
             let left = excess(&next.fit) / excess(&fitted.fit);
             if left < 1.0 {
                 fitted = next;

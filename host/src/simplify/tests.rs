@@ -288,7 +288,7 @@ fn shaken_square(size: u32) -> TriangleMesh {
     let mut shake = |at: u32| {
         random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let off = f64::from(random >> 16) / 65_536.0 - 0.5;
-        f64::from(at) + if at % size == 0 { 0.0 } else { 0.8 * off }
+        f64::from(at) + if at.is_multiple_of(size) { 0.0 } else { 0.8 * off }
     };
     let positions = (0..(size + 1) * (size + 1)).map(|node| {
         let [x, y] = [node % (size + 1), node / (size + 1)].map(&mut shake);

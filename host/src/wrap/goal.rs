@@ -28,7 +28,7 @@ pub enum Target<'a> {
     /// The zeros of the distance field.
     #[default]
     Distance,
-    /// The points where a field, on the grid of the distance field, has a value: the isosurface that the distances were made
+    /// The points where a field, on the grid of the distance field, has a value, larger ones being inside: the isosurface that the distances were made
     /// from, which their zeros differ from by a fraction of a cell (Vis2000 §4.2).
     Isosurface(&'a ScalarField, f64),
     /// A mesh of triangles, which the distances were made from.

@@ -18,7 +18,7 @@ use crate::field::ScalarField;
 use crate::mesh::{Point, PolygonMesh};
 
 /// Rounds of relaxation.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 4;
 /// How far each moves a vertex towards its neighbours.
 const RELAXATION: f64 = 0.5;
 /// How far a vertex may move in a round, in lengths of its edges, …
