@@ -44,18 +44,19 @@ impl Making<'_> {
         let mut care = Care::none(self.contour, fitted.base.positions.len());
         let mut measured = measured;
         let unit = self.unit(&aim);
+        // By how many times what fits a surface is off, or the farthest that is lost of its target.
+        let excess =
+            |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.backward.most / (MOST * unit)).max(1.0);
         for _ in 0..self.options.rounds {
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
             let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
-            if !care.take(&aim, &measured, off) {
+            if excess(&measured.fit) <= 1.0 || !care.take(&aim, &measured, off) {
                 break;
             }
             self.constraints.most = care.most(self.options.levels);
             let next;
             (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let excess =
-                |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.most() / (MOST * unit)).max(1.0);
             let left = excess(&next.fit) / excess(&fitted.fit);
             if left < 1.0 {
                 fitted = next;
