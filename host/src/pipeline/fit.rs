@@ -119,22 +119,24 @@ impl<'a> Aim<'a> {
         (0..surface.positions.len() as u32).map(of).collect()
     }
 
-    /// For each vertex of the target that a component is named by, whether that is farther than `rms` or somewhere farther
-    /// than `most` from the surface, whose vertices belong to `ones`, or the surface from it.
-    pub(super) fn misfits(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<bool> {
-        let mut misfits = vec![false; self.components.len()];
+    /// For each vertex of the target that a component is named by, by how many times that is too far from the surface, whose
+    /// vertices belong to `ones`, or the surface from it: 1 where the root mean squares are at most `rms` and all else `most`.
+    pub(super) fn excesses(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<f64> {
+        let mut excesses = vec![[1.0_f64; 2]; self.components.len()];
         for (components, distances) in [(ones, &measured.of_surface), (&self.components, &measured.of_target)]
         {
-            let mut tallies = vec![(0.0, 0.0); misfits.len()];
+            let mut tallies = vec![(0.0, 0.0); excesses.len()];
             for (&component, &distance) in components.iter().zip(distances) {
                 let (squares, count) = &mut tallies[component as usize];
                 (*squares, *count) = (*squares + distance * distance, *count + 1.0);
-                misfits[component as usize] |= distance > most;
+                let [_, farthest] = &mut excesses[component as usize];
+                *farthest = farthest.max(distance / most);
             }
-            let is_off = tallies.iter().map(|(squares, count)| *squares > rms * rms * count);
-            misfits.iter_mut().zip(is_off).for_each(|(misfit, off)| *misfit |= off);
+            for ([mean, _], (squares, count)) in excesses.iter_mut().zip(tallies) {
+                *mean = mean.max((squares / f64::max(count, 1.0)).sqrt() / rms);
+            }
         }
-        misfits
+        excesses.into_iter().map(|[mean, farthest]| mean * farthest).collect()
     }
 
     fn missed(&self, distances: &[f64]) -> Vec<Missed> {

@@ -16,6 +16,8 @@ const MOST: f64 = 1.5;
 const OFF: f64 = 0.25;
 /// … than so many times the root mean square.
 const FAR: f64 = 2.0;
+/// Components are placed by way of the collapses where that leaves less than this of what their distances are too large by.
+const WORTH: f64 = 0.7;
 /// No further round unless the last one left less than this of what distances are too large by.
 const LEFT: f64 = 0.9;
 
@@ -91,27 +93,49 @@ impl Making<'_> {
         let BuildOptions { levels, tolerance, .. } = *self.options;
         let options =
             WrapOptions { levels, tolerance, target, lines: lines.as_ref(), ..WrapOptions::default() };
-        let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
-        let mut measured = aim.measure(&wrapped.surface.level(wrapped.surface.levels));
-        let placed = self.misfits(aim, &base, &wrapped, &measured);
-        if placed.contains(&true) {
-            let places = base.history.places(self.contour, &base.mesh, wrapped.surface.levels);
-            settle(&mut wrapped, &base.mesh, &places, &placed, self.distance, &options)?;
-            measured = aim.measure(&wrapped.surface.level(wrapped.surface.levels));
-        }
+        let wrapped = wrap(&base.mesh, self.distance, &options)?;
+        let (wrapped, measured) = self.placed(aim, &base, wrapped, &options)?;
         done(Stage::Wrap);
         Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
     }
 
-    /// The vertices of components that do not fit.
-    fn misfits(&self, aim: &Aim, base: &BaseMesh, wrapped: &Wrapped, measured: &Measured) -> Vec<bool> {
+    /// Places the components that do not fit by way of the collapses, where that is much better; and measures the surface.
+    fn placed(
+        &self,
+        aim: &Aim,
+        base: &BaseMesh,
+        wrapped: Wrapped,
+        options: &WrapOptions,
+    ) -> Result<(Wrapped, Measured), BuildError> {
+        let finest = |wrapped: &Wrapped| wrapped.surface.level(wrapped.surface.levels);
+        let measured = aim.measure(&finest(&wrapped));
+        // Collapses do not lead sharp edges back to themselves.
         if !self.constraints.features.edges.is_empty() {
-            return vec![false; wrapped.surface.positions.len()];
+            return Ok((wrapped, measured));
         }
-        let finest = wrapped.surface.level(wrapped.surface.levels);
-        let ones = aim.components_of(&finest, &base.history);
-        let misfits = aim.misfits(&ones, measured, [RMS * self.unit(aim), MOST * self.unit(aim)]);
-        ones.iter().map(|one| misfits[*one as usize]).collect()
+        let ones = aim.components_of(&finest(&wrapped), &base.history);
+        let limits = [RMS, MOST].map(|limit| limit * self.unit(aim));
+        let before = aim.excesses(&ones, &measured, limits);
+        let misfits: Vec<bool> = ones.iter().map(|&one| before[one as usize] > 1.0).collect();
+        if !misfits.contains(&true) {
+            return Ok((wrapped, measured));
+        }
+        let places = base.history.places(self.contour, &base.mesh, wrapped.surface.levels);
+        let settled = |placed: &[bool]| -> Result<(Wrapped, Measured), BuildError> {
+            let mut settled = wrapped.clone();
+            settle(&mut settled, &base.mesh, &places, placed, self.distance, options)?;
+            let measured = aim.measure(&finest(&settled));
+            Ok((settled, measured))
+        };
+        let all = settled(&misfits)?;
+        let after = aim.excesses(&ones, &all.1, limits);
+        let worth = |&one: &u32| after[one as usize] < WORTH * before[one as usize];
+        let better: Vec<bool> = ones.iter().map(worth).collect();
+        match better {
+            better if better == misfits => Ok(all),
+            better if better.contains(&true) => settled(&better),
+            _ => Ok((wrapped, measured)),
+        }
     }
 }
 
