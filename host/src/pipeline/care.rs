@@ -1,16 +1,16 @@
 //! Where the base mesh must be finer for the surface to fit.
 //!
 //! Horns, legs and thin sheets are small beside the faces of a base mesh that is as coarse as the rest of a surface allows.
-//! What is lost there no attraction finds again. So the surface is measured, and where it does not fit edges collapse for
-//! an eighth of the error at most that they did before, and so on.
+//! So the surface is measured, and where it does not fit a base vertex may stand for only a part as many vertices as the
+//! finest mesh has for it, and so on.
 
 use super::fit::{Aim, Measured};
 use crate::mesh::TriangleMesh;
 
-/// How much of the error is left by each round.
-const PART: f64 = 0.125;
+/// A round leaves one in so many.
+const PART: u32 = 4;
 
-/// How often the error of each vertex of the target has been reduced.
+/// How often care has been taken of each vertex of the target.
 pub(super) struct Care {
     rounds: Vec<u8>,
     /// How far around a place the base mesh becomes finer, in edges of the target.
@@ -46,9 +46,12 @@ impl Care {
         true
     }
 
-    /// What vertices have to begin with, so that those that care is taken of come to `error` the earlier.
-    pub(super) fn errors(&self, error: f64) -> Vec<f32> {
-        let of_rounds = |&rounds: &u8| (error * (1.0 - PART.powi(rounds.into()))) as f32;
+    /// How many vertices one of the base mesh may stand for, if that is split so often.
+    pub(super) fn most(&self, levels: u32) -> Vec<u32> {
+        let of_rounds = |&rounds: &u8| match rounds {
+            0 => u32::MAX,
+            rounds => (4_u32.saturating_pow(levels) / PART.saturating_pow(rounds.into())).max(1),
+        };
         self.rounds.iter().map(of_rounds).collect()
     }
 }

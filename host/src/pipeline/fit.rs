@@ -3,6 +3,7 @@
 use crate::field::ScalarField;
 use crate::measure::{Bounds, Bvh, Closest};
 use crate::mesh::{Point, PolygonMesh, Sets, TriangleMesh};
+use crate::simplify::History;
 use crate::wrap::{Misfit, ways};
 
 /// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
@@ -105,6 +106,37 @@ impl<'a> Aim<'a> {
             missed: self.missed(&of_target),
         };
         Measured { fit, of_target, of_surface, closest }
+    }
+
+    /// The component of the target that each vertex of a surface belongs to, by its first vertex.
+    pub(super) fn components_of(&self, surface: &PolygonMesh, history: &History) -> Vec<u32> {
+        let mut sets = Sets::new(surface.positions.len());
+        for face in surface.faces().iter() {
+            face.iter().for_each(|&corner| sets.join(face[0], corner));
+        }
+        // The first vertex of a component is one of the base mesh.
+        let of = |vertex| self.components[history.origin(sets.root(vertex)) as usize];
+        (0..surface.positions.len() as u32).map(of).collect()
+    }
+
+    /// For each vertex of the target that a component is named by, by how many times that is too far from the surface, whose
+    /// vertices belong to `ones`, or the surface from it: 1 where the root mean squares are at most `rms` and all else `most`.
+    pub(super) fn excesses(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<f64> {
+        let mut excesses = vec![[1.0_f64; 2]; self.components.len()];
+        for (components, distances) in [(ones, &measured.of_surface), (&self.components, &measured.of_target)]
+        {
+            let mut tallies = vec![(0.0, 0.0); excesses.len()];
+            for (&component, &distance) in components.iter().zip(distances) {
+                let (squares, count) = &mut tallies[component as usize];
+                (*squares, *count) = (*squares + distance * distance, *count + 1.0);
+                let [_, farthest] = &mut excesses[component as usize];
+                *farthest = farthest.max(distance / most);
+            }
+            for ([mean, _], (squares, count)) in excesses.iter_mut().zip(tallies) {
+                *mean = mean.max((squares / f64::max(count, 1.0)).sqrt() / rms);
+            }
+        }
+        excesses.into_iter().map(|[mean, farthest]| mean * farthest).collect()
     }
 
     fn missed(&self, distances: &[f64]) -> Vec<Missed> {

@@ -4,18 +4,21 @@ use super::care::Care;
 use super::fit::{Aim, Fit, Measured};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
-use crate::measure::Bvh;
 use crate::mesh::{PolygonMesh, TriangleMesh};
-use crate::simplify::{Constraints, Target, base_mesh};
-use crate::wrap::{self, Lines, WrapError, WrapOptions, Wrapped, wrap};
+use crate::simplify::{BaseMesh, Constraints, Target, base_mesh};
+use crate::wrap::{self, Lines, WrapOptions, Wrapped, settle, wrap};
 
 /// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
 const RMS: f64 = 0.05;
 /// And a place of it that is at most so far.
-const MOST: f64 = 1.0;
-/// Where it does not fit, the base mesh becomes finer around places farther than this.
+const MOST: f64 = 1.5;
+/// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
-/// No further round unless the last one left less of the root mean square than this.
+/// … than so many times the root mean square.
+const FAR: f64 = 2.0;
+/// Components are placed by way of the collapses where that leaves less than this of what their distances are too large by.
+const WORTH: f64 = 0.7;
+/// No further round unless the last one left less than this of what distances are too large by.
 const LEFT: f64 = 0.9;
 
 /// What a surface is made of.
@@ -42,17 +45,21 @@ impl Making<'_> {
             self.made(&aim, target(self.contour, self.options.share)?, done)?;
         let mut care = Care::none(self.contour, fitted.base.positions.len());
         let mut measured = measured;
-        // The facets of a coarse mesh need not be told from smooth surfaces.
-        let unit = self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0);
+        let unit = self.unit(&aim);
+        // By how many times what fits a surface is off, or the farthest that is lost of its target.
+        let excess =
+            |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.backward.most / (MOST * unit)).max(1.0);
         for _ in 0..self.options.rounds {
-            let fits = measured.fit.rms() <= RMS * unit && measured.fit.most() <= MOST * unit;
-            if fits || !care.take(&aim, &measured, OFF * unit) {
+            // Where all in all it fits, only what is lost needs a finer base mesh.
+            let rms = measured.fit.rms();
+            let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
+            if excess(&measured.fit) <= 1.0 || !care.take(&aim, &measured, off) {
                 break;
             }
-            self.constraints.errors = care.errors(error);
+            self.constraints.most = care.most(self.options.levels);
             let next;
             (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let left = next.fit.rms() / fitted.fit.rms();
+            let left = excess(&next.fit) / excess(&fitted.fit);
             if left < 1.0 {
                 fitted = next;
             }
@@ -61,6 +68,12 @@ impl Making<'_> {
             }
         }
         Ok(fitted)
+    }
+
+    /// What distances from the target are to be told in, in cells' edges: the facets of a coarse mesh need not be told from
+    /// smooth surfaces.
+    fn unit(&self, aim: &Aim) -> f64 {
+        self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0)
     }
 
     /// Makes a surface; its measures and the error of its base mesh, too.
@@ -72,23 +85,57 @@ impl Making<'_> {
     ) -> Result<(Fitted, Measured, f64), BuildError> {
         let base = base_mesh(self.contour, &self.constraints, target)?;
         done(Stage::Base);
-        let wrapped = self.wrapped(&aim.tree, &base.mesh)?;
-        let surface = &wrapped.surface;
-        let measured = aim.measure(&surface.level(surface.levels));
+        let lines = self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features));
+        let target = match self.field {
+            Some((field, isovalue)) => wrap::Target::Isosurface(field, isovalue.into()),
+            None => wrap::Target::Triangles(&aim.tree),
+        };
+        let BuildOptions { levels, tolerance, .. } = *self.options;
+        let options =
+            WrapOptions { levels, tolerance, target, lines: lines.as_ref(), ..WrapOptions::default() };
+        let wrapped = wrap(&base.mesh, self.distance, &options)?;
+        let (wrapped, measured) = self.placed(aim, &base, wrapped, &options)?;
         done(Stage::Wrap);
         Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
     }
 
-    fn wrapped(&self, tree: &Bvh, base: &PolygonMesh) -> Result<Wrapped, WrapError> {
-        let BuildOptions { levels, tolerance, .. } = *self.options;
-        let options = WrapOptions { levels, tolerance, ..WrapOptions::default() };
-        if let Some((field, isovalue)) = self.field {
-            let target = wrap::Target::Isosurface(field, isovalue.into());
-            return wrap(base, self.distance, &WrapOptions { target, ..options });
+    /// Places the components that do not fit by way of the collapses, where that is much better; and measures the surface.
+    fn placed(
+        &self,
+        aim: &Aim,
+        base: &BaseMesh,
+        wrapped: Wrapped,
+        options: &WrapOptions,
+    ) -> Result<(Wrapped, Measured), BuildError> {
+        let finest = |wrapped: &Wrapped| wrapped.surface.level(wrapped.surface.levels);
+        let measured = aim.measure(&finest(&wrapped));
+        // Collapses do not lead sharp edges back to themselves.
+        if !self.constraints.features.edges.is_empty() {
+            return Ok((wrapped, measured));
         }
-        let lines = Lines::of_mesh(self.contour, &self.constraints.features);
-        let target = wrap::Target::Triangles(tree);
-        wrap(base, self.distance, &WrapOptions { target, lines: Some(&lines), ..options })
+        let ones = aim.components_of(&finest(&wrapped), &base.history);
+        let limits = [RMS, MOST].map(|limit| limit * self.unit(aim));
+        let before = aim.excesses(&ones, &measured, limits);
+        let misfits: Vec<bool> = ones.iter().map(|&one| before[one as usize] > 1.0).collect();
+        if !misfits.contains(&true) {
+            return Ok((wrapped, measured));
+        }
+        let places = base.history.places(self.contour, &base.mesh, wrapped.surface.levels);
+        let settled = |placed: &[bool]| -> Result<(Wrapped, Measured), BuildError> {
+            let mut settled = wrapped.clone();
+            settle(&mut settled, &base.mesh, &places, placed, self.distance, options)?;
+            let measured = aim.measure(&finest(&settled));
+            Ok((settled, measured))
+        };
+        let all = settled(&misfits)?;
+        let after = aim.excesses(&ones, &all.1, limits);
+        let worth = |&one: &u32| after[one as usize] < WORTH * before[one as usize];
+        let better: Vec<bool> = ones.iter().map(worth).collect();
+        match better {
+            better if better == misfits => Ok(all),
+            better if better.contains(&true) => settled(&better),
+            _ => Ok((wrapped, measured)),
+        }
     }
 }
 

@@ -264,7 +264,7 @@ mod tests {
         };
         let (coarse, fine) = (build(0), build(3));
         assert!(coarse.fit.backward.most > MISSED && !coarse.fit.missed.is_empty(), "{:?}", coarse.fit);
-        assert!(fine.fit.rms() < 0.08 && fine.fit.missed.is_empty(), "{:?}", fine.fit);
+        assert!(fine.fit.rms() < 0.03 && fine.fit.missed.is_empty(), "{:?}", fine.fit);
         let report = Report::of(&fine.wrapped.surface.level(2));
         assert_eq!((report.genus(), report.components.len(), report.is_closed()), (Some(0), 4, true));
         assert!(fine.wrapped.report.failures.is_empty(), "{:?}", fine.wrapped.report.failures);

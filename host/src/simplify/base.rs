@@ -1,6 +1,6 @@
 //! The base mesh of a surface: edges collapsed, then removed.
 
-use super::{Constraints, SimplifyError, Target, collapse_edges, remove_edges};
+use super::{Constraints, History, SimplifyError, Target, collapse_edges, remove_edges};
 use crate::mesh::{PolygonMesh, TriangleMesh};
 
 /// A base mesh.
@@ -10,6 +10,8 @@ pub struct BaseMesh {
     pub mesh: PolygonMesh,
     /// The largest error that an edge collapse was taken for, in units of the positions.
     pub error: f64,
+    /// How the triangles were collapsed that its polygons are made of.
+    pub history: History,
 }
 
 /// Makes the base mesh of a manifold, with the topology, the boundary and the features of the triangles.
@@ -26,5 +28,6 @@ pub fn base_mesh(
     let collapsed = collapse_edges(mesh, constraints, target)?;
     let mut triangles = PolygonMesh::from(collapsed.mesh);
     triangles.features = collapsed.features;
-    Ok(BaseMesh { mesh: remove_edges(&triangles), error: collapsed.error })
+    let mesh = remove_edges(&triangles);
+    Ok(BaseMesh { mesh, error: collapsed.error, history: collapsed.history })
 }

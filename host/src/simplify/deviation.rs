@@ -183,7 +183,8 @@ fn curve_distance(surface: &Surface, side: u32, position: Point) -> f64 {
         let before = surface.along(ends[this], ends[other]).filter(|_| end.kind == Kind::Curve);
         before.map_or(0.0, |before| {
             let edge = before - position;
-            edge.cross(offset).length() / edge.length().max(f64::MIN_POSITIVE)
+            let along = offset.dot(edge) / edge.length_squared().max(f64::MIN_POSITIVE);
+            (offset - along.clamp(0.0, 1.0) * edge).length()
         })
     });
     distances[0].max(distances[1])

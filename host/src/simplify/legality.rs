@@ -29,7 +29,7 @@ const fn fewest(boundary: bool) -> u16 {
 /// [`super::star::Star::is_simple`].
 pub(super) fn place(surface: &Surface, side: u32) -> Option<Place> {
     let ends = surface.corners.ends(side).map(|vertex| surface.vertex(vertex));
-    if !valences_allow(surface, side, ends) {
+    if !numbers_allow(ends) || !valences_allow(surface, side, ends) {
         return None;
     }
     match ends.map(|end| end.kind) {
@@ -44,6 +44,11 @@ pub(super) fn place(surface: &Surface, side: u32) -> Option<Place> {
             along.then(|| place_on_curve(ends, kinds)).flatten()
         }
     }
+}
+
+/// Whether the merged vertex may stand for all that its ends do.
+fn numbers_allow([first, second]: [&Vertex; 2]) -> bool {
+    first.stands_for + second.stands_for <= first.most.min(second.most)
 }
 
 /// Valences after the collapse: N_i + N_j - 4 for the merged vertex (one less is lost at the boundary), one less across.

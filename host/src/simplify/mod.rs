@@ -7,12 +7,15 @@ mod collapse;
 mod corners;
 mod deviation;
 mod edge_removal;
+mod history;
+mod layout;
 mod leaf_faces;
 mod legality;
 mod octree;
 mod parts;
 mod priority;
 mod separate;
+mod spots;
 mod star;
 mod surface;
 
@@ -22,6 +25,7 @@ mod tests;
 pub use base::{BaseMesh, base_mesh};
 pub use collapse::{Collapsed, collapse_edges};
 pub use edge_removal::remove_edges;
+pub use history::History;
 pub use leaf_faces::octree_mesh;
 pub use octree::{OctreeOptions, Solid};
 
@@ -35,9 +39,8 @@ pub struct Constraints {
     pub features: Features,
     /// The grid in whose border planes the boundary lies: it stays in them, and turns from one to another where it did.
     pub border: Option<Grid>,
-    /// The error that each vertex is taken to come with, in units of the positions: edges collapse the later, the larger it
-    /// is at their ends, and not at all where that is [`Target::error`] or more. Empty where there is none.
-    pub errors: Vec<f32>,
+    /// How many vertices, at most, one may stand for that is made of each vertex and others. Empty where any number may.
+    pub most: Vec<u32>,
 }
 
 /// When to stop.

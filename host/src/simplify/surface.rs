@@ -24,6 +24,9 @@ pub(super) struct Vertex {
     pub(super) leaving: u32,
     /// Error of collapses that it came from (Vis2000 §4.1, E_acc), in edge lengths.
     pub(super) accumulated: f32,
+    /// How many vertices it was made of, and how many it may be.
+    pub(super) stands_for: u32,
+    pub(super) most: u32,
     /// Number of its edges.
     pub(super) valence: u16,
     pub(super) kind: Kind,
@@ -54,6 +57,8 @@ impl Surface {
             position,
             leaving: NONE,
             accumulated: 0.0,
+            stands_for: 1,
+            most: u32::MAX,
             valence: 0,
             kind: Kind::Smooth,
             boundary: false,

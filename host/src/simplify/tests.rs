@@ -6,6 +6,7 @@ use crate::field::ScalarField;
 use crate::isosurface::contour;
 use crate::measure::{Bvh, SurfaceDistance};
 use crate::mesh::{FeatureAngles, Point, PolygonMesh, Report, Surface, TriangleMesh, read};
+use crate::subdivision::SubdivisionSurface;
 
 const NO_LIMIT: f64 = f64::INFINITY;
 
@@ -279,4 +280,46 @@ fn octrees_of_waves_are_manifolds() {
         assert!(idle * 100 < mesh.positions.len(), "{idle} vertices of two edges");
         assert!(mesh.faces().len() > 30, "{}", mesh.faces().len());
     }
+}
+
+/// A square of `size` by `size` cells in the plane, its inner vertices shaken.
+fn shaken_square(size: u32) -> TriangleMesh {
+    let mut random = 1_u32;
+    let mut shake = |at: u32| {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let off = f64::from(random >> 16) / 65_536.0 - 0.5;
+        f64::from(at) + if at.is_multiple_of(size) { 0.0 } else { 0.8 * off }
+    };
+    let positions = (0..(size + 1) * (size + 1)).map(|node| {
+        let [x, y] = [node % (size + 1), node / (size + 1)].map(&mut shake);
+        Point::new(x, y, 0.0)
+    });
+    let cells = (0..size * size).map(|cell| cell / size * (size + 1) + cell % size);
+    let triangles =
+        cells.flat_map(|node| [[node, node + 1, node + size + 2], [node, node + size + 2, node + size + 1]]);
+    TriangleMesh { positions: positions.collect(), triangles: triangles.collect() }
+}
+
+#[test]
+fn places_cover_a_flat_mesh_once() {
+    let mesh = shaken_square(40);
+    let target = Target { vertices: 40, error: NO_LIMIT };
+    let BaseMesh { mesh: base, history, .. } = base_mesh(&mesh, &Constraints::default(), target).unwrap();
+    assert!(base.positions.len() < 200, "{}", base.positions.len());
+    let levels = 4;
+    let mut finest = SubdivisionSurface::from(base.clone());
+    finest.positions = history.places(&mesh, &base, levels);
+    finest.levels = levels;
+    let finest = finest.level(levels);
+    let (mut whole, mut over) = (0.0, 0);
+    for [a, b, c] in &finest.triangulated().triangles {
+        let [a, b, c] = [a, b, c].map(|&corner| finest.positions[corner as usize]);
+        let area = (b - a).cross(c - a).z;
+        whole += area / 2.0;
+        over += usize::from(area < 0.0);
+    }
+    // The boundary may cut the corners of the square a little, and what spans a corner of a triangle may turn over.
+    println!("{whole} {over} of {}", 2 * finest.faces().len());
+    assert!((whole - 1600.0).abs() < 8.0, "{whole}");
+    assert!(over * 100 < finest.faces().len(), "{over} of {}", finest.faces().len());
 }

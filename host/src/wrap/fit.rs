@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::goal::Goal;
 use super::level::{Level, Space};
 use super::repair::repair;
-use super::report::{self, LevelReport, WrapReport, misfit};
-use super::{Target, WrapError, WrapOptions, quality};
+use super::report::{LevelReport, WrapReport, misfit};
+use super::{Target, WrapError, WrapOptions};
 use crate::mesh::{Point, PolygonMesh};
 
 /// What a mesh is fitted to, and how.
@@ -42,16 +42,13 @@ impl<'a> Fit<'a> {
         let begun = Instant::now();
         self.correct(&mut level);
         report.correction_seconds = begun.elapsed().as_secs_f64();
-        let goal = Goal::new(self.options.target, &self.space);
-        let (inverted, counts) = quality::inverted(&level, &self.space, 0.0);
-        report.inverted = counts;
-        (report.components, report.failures) = report::failures(&level, &self.space, &goal, &inverted);
+        report.finish(&level, &self.space, &Goal::new(self.options.target));
         Ok((level.positions, report))
     }
 
     /// Fits one level.
     fn level(&self, level: &mut Level) -> LevelReport {
-        let goal = Goal::new(Target::Distance, &self.space);
+        let goal = Goal::new(Target::Distance);
         let mut missed = Vec::new();
         for _ in 0..self.options.rounds {
             level.relax(&self.space.border, self.options);
@@ -81,7 +78,7 @@ impl<'a> Fit<'a> {
         if matches!(self.options.target, Target::Distance) {
             return;
         }
-        let goal = Goal::new(self.options.target, &self.space);
+        let goal = Goal::new(self.options.target);
         level.approach(&self.space, &goal, self.options.reach);
         repair(level, &self.space, &goal);
     }

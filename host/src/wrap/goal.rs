@@ -28,7 +28,7 @@ pub enum Target<'a> {
     /// The zeros of the distance field.
     #[default]
     Distance,
-    /// The points where a field, on the grid of the distance field, has a value: the isosurface that the distances were made
+    /// The points where a field, on the grid of the distance field, has a value, larger ones being inside: the isosurface that the distances were made
     /// from, which their zeros differ from by a fraction of a cell (Vis2000 §4.2).
     Isosurface(&'a ScalarField, f64),
     /// A mesh of triangles, which the distances were made from.
@@ -38,52 +38,71 @@ pub enum Target<'a> {
 /// A target, ready to be looked into.
 #[derive(Clone, Copy)]
 pub(super) enum Goal<'a> {
-    /// Where a field has a value.
-    Field(&'a ScalarField, f64),
+    /// Where the distance is zero.
+    Distance,
+    /// Where a field has a value; larger ones are inside.
+    Isosurface(&'a ScalarField, f64),
     /// Where triangles are.
     Triangles(&'a Bvh),
 }
 
 impl<'a> Goal<'a> {
     /// What a target asks for.
-    pub(super) fn new(target: Target<'a>, space: &Space<'a>) -> Self {
+    pub(super) fn new(target: Target<'a>) -> Self {
         match target {
-            Target::Distance => Self::Field(space.distance, 0.0),
-            Target::Isosurface(field, value) => Self::Field(field, value),
+            Target::Distance => Self::Distance,
+            Target::Isosurface(field, value) => Self::Isosurface(field, value),
             Target::Triangles(triangles) => Self::Triangles(triangles),
         }
     }
 
-    /// A point of the surface near a point, or a point nearer to it, at most `reach` away, and on the same sides of the box.
-    pub(super) fn approach(&self, point: Point, sides: Sides, reach: f64, space: &Space) -> Point {
+    /// The way down to a field's value.
+    fn descent(&self, reach: f64, space: &Space<'a>) -> Option<Descent<'a>> {
+        let (field, value) = match *self {
+            Self::Distance => (space.distance, 0.0),
+            Self::Isosurface(field, value) => (field, value),
+            Self::Triangles(_) => return None,
+        };
+        Some(Descent { field, value, reach, cell: space.cell })
+    }
+
+    /// Which way the surface near a vertex of a mesh faces, whose normal is a unit vector: as the isosurface does there, or
+    /// else as the distance says ([`Space::outwards`]), which tells less where sheets are close.
+    pub(super) fn outwards(&self, point: Point, normal: Point, space: &Space) -> Point {
         match self {
-            Self::Field(field, value) => {
-                let descent = Descent { field, value: *value, reach, cell: space.cell };
-                space.border.hold(sides, descent.from(point, sides))
+            Self::Isosurface(field, _) => {
+                (-field.sample_clamped_with_gradient(point).1).try_normalize().unwrap_or(normal)
             }
-            Self::Triangles(triangles) => {
-                let mut place = point;
-                for _ in 0..if sides.count() > 0 { RETURNS } else { 1 } {
-                    let limit = reach.min((space.distance_in_cells(place) + FARTHER) * space.cell);
-                    let closest = triangles.closest_within(place, limit * limit);
-                    place = space.border.hold(sides, closest.map_or(place, |closest| closest.point));
-                }
-                place
+            _ => space.outwards(point, normal),
+        }
+    }
+
+    /// A point of the surface near a point, or a point nearer to it, at most `reach` away, and on the same sides of the box.
+    pub(super) fn approach(&self, point: Point, sides: Sides, reach: f64, space: &Space<'a>) -> Point {
+        if let Some(descent) = self.descent(reach, space) {
+            return space.border.hold(sides, descent.from(point, sides));
+        }
+        let mut place = point;
+        if let Self::Triangles(triangles) = self {
+            for _ in 0..if sides.count() > 0 { RETURNS } else { 1 } {
+                let limit = reach.min((space.distance_in_cells(place) + FARTHER) * space.cell);
+                let closest = triangles.closest_within(place, limit * limit);
+                place = space.border.hold(sides, closest.map_or(place, |closest| closest.point));
             }
         }
+        place
     }
 
     /// How far a point is from the surface, in cells' edges: the way down to it, or, where that leads nowhere, what the
     /// distance field says.
-    pub(super) fn distance_in_cells(&self, point: Point, space: &Space) -> f64 {
+    pub(super) fn distance_in_cells(&self, point: Point, space: &Space<'a>) -> f64 {
         let by_field = space.distance_in_cells(point);
         let way = match self {
-            Self::Field(field, value) => {
-                let reach = (by_field + FARTHER) * space.cell;
-                Descent { field, value: *value, reach, cell: space.cell }.way(point)
-            }
             Self::Triangles(triangles) => {
                 triangles.closest(point).map(|closest| closest.distance_squared.sqrt())
+            }
+            _ => {
+                self.descent((by_field + FARTHER) * space.cell, space).and_then(|descent| descent.way(point))
             }
         };
         way.map_or(by_field, |way| way / space.cell)
@@ -147,7 +166,7 @@ mod tests {
     #[test]
     fn points_go_down_to_the_value() {
         let field = ScalarField::from_function(Grid::unit([9, 9, 9]), |point| 3.0 * point.x + 4.0 * point.y);
-        let (goal, space) = (Goal::Field(&field, 25.0), Space::new(&field));
+        let (goal, space) = (Goal::Isosurface(&field, 25.0), Space::new(&field));
         let excess = |point: Point| 3.0 * point.x + 4.0 * point.y - 25.0;
         let found = goal.approach(Point::new(3.0, 4.5, 2.0), Sides::default(), 1.0, &space);
         assert!(excess(found).abs() < 1e-4 && found.z == 2.0, "{found}");

@@ -227,7 +227,7 @@ impl Level {
         let reach = self.reach(vertex, space, reach);
         let found = goal.approach(place, sides, reach, space);
         let normal = self.normal(vertex);
-        let agrees = normal.dot(space.outwards(found, normal)) > 0.0;
+        let agrees = normal.dot(goal.outwards(found, normal, space)) > 0.0;
         if agrees { found } else { place }
     }
 }

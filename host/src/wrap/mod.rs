@@ -21,6 +21,7 @@ mod relax;
 mod repair;
 mod report;
 mod rings;
+mod settle;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,7 @@ pub use goal::{Target, ways};
 pub use lines::Lines;
 pub use quality::Inverted;
 pub use report::{Cause, Failure, LevelReport, Misfit, SMALL, UNFIT, WrapReport};
+pub use settle::settle;
 
 use crate::field::ScalarField;
 use crate::mesh::PolygonMesh;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::goal::Goal;
 use super::level::{Level, Space};
 use crate::mesh::Point;
 
@@ -47,11 +48,11 @@ fn area(face: &[u32], positions: &[Point]) -> Point {
 }
 
 /// The faces with a corner below `least`, in order, and counts of those below zero.
-pub(super) fn inverted(level: &Level, space: &Space, least: f64) -> (Vec<u32>, Inverted) {
+pub(super) fn inverted(level: &Level, space: &Space, goal: &Goal, least: f64) -> (Vec<u32>, Inverted) {
     let positions = &level.positions;
     let outwards: Vec<Point> = (0..positions.len())
         .into_par_iter()
-        .map(|vertex| space.outwards(positions[vertex], level.normal(vertex)))
+        .map(|vertex| goal.outwards(positions[vertex], level.normal(vertex), space))
         .collect();
     let judge = |face: usize| {
         let corners = level.faces.get(face);

@@ -33,7 +33,7 @@ const NEAR: f64 = 0.1;
 /// Clusters of folds are mended in parallel, each by itself, so that the result does not depend on threads.
 /// Cost: two passes over the mesh for each attempt, and about 10 µs a sweep for each vertex around a fold.
 pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted; 2] {
-    let (mut bad, before) = quality::inverted(level, space, LEAST_CORNER);
+    let (mut bad, before) = quality::inverted(level, space, goal, LEAST_CORNER);
     let mut after = before;
     for (rings, sweeps) in ATTEMPTS {
         if bad.is_empty() {
@@ -53,7 +53,7 @@ pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted
                 level.positions[vertex as usize] = place;
             }
         }
-        (bad, after) = quality::inverted(level, space, LEAST_CORNER);
+        (bad, after) = quality::inverted(level, space, goal, LEAST_CORNER);
     }
     [before, after]
 }
@@ -63,7 +63,7 @@ struct Patient<'a> {
     cluster: Cluster,
     space: &'a Space<'a>,
     goal: &'a Goal<'a>,
-    /// Gradient of the distance at each vertex: which way is out.
+    /// Which way is out at each vertex.
     outwards: Vec<Point>,
     /// Where each vertex that may move was, and how far it may go.
     leashes: Vec<(Point, f64)>,
@@ -76,7 +76,7 @@ impl<'a> Patient<'a> {
         let leash = |vertex| (cluster.positions[vertex], LEASH * edge_length(&cluster, vertex));
         let leashes: Vec<_> = (0..cluster.movable).map(leash).collect();
         let places = cluster.positions.iter().zip(&cluster.normals);
-        let outwards = places.map(|(&place, &normal)| space.outwards(place, normal)).collect();
+        let outwards = places.map(|(&place, &normal)| goal.outwards(place, normal, space)).collect();
         let steps = leashes.iter().map(|&(_, length)| length).collect();
         Self { cluster, space, goal, outwards, leashes, steps }
     }
@@ -132,7 +132,7 @@ impl<'a> Patient<'a> {
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
             let place = self.goal.approach(place, self.cluster.sides[vertex], leash, self.space);
-            let outwards = self.space.outwards(place, self.cluster.normals[vertex]);
+            let outwards = self.goal.outwards(place, self.cluster.normals[vertex], self.space);
             let strays = home.distance(place) > leash || self.space.distance_in_cells(place) > near;
             if strays || outwards.dot(kept.1) <= 0.0 {
                 continue;
@@ -197,7 +197,7 @@ mod tests {
                 Point::new(32.0, 32.0, 0.0) + level.positions[vertex] * Point::new(-1.0, -1.0, 1.0);
         }
         let kept = level.positions.clone();
-        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance, &space));
+        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance));
         assert!(before.corners > 10, "{before:?}");
         assert!(after.corners < before.corners, "{after:?}");
         assert!(level.positions.iter().all(|place| (place.distance(middle) - 11.0).abs() < 0.15));

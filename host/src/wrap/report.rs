@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::Inverted;
 use super::goal::Goal;
 use super::level::{Level, Space};
+use super::{Inverted, quality};
 use crate::measure::Bounds;
 use crate::mesh::Point;
 
@@ -57,6 +57,15 @@ pub struct WrapReport {
     pub components: usize,
     /// Those of them that do not fit everywhere.
     pub failures: Vec<Failure>,
+}
+
+impl WrapReport {
+    /// Takes down what the surface is like in the end.
+    pub(super) fn finish(&mut self, level: &Level, space: &Space, goal: &Goal) {
+        let (inverted, counts) = quality::inverted(level, space, goal, 0.0);
+        self.inverted = counts;
+        (self.components, self.failures) = failures(level, space, goal, &inverted);
+    }
 }
 
 /// A component that does not fit everywhere.
@@ -112,7 +121,7 @@ struct Tally {
 }
 
 /// Number of components, and those that do not fit.
-pub(super) fn failures(level: &Level, space: &Space, goal: &Goal, inverted: &[u32]) -> (usize, Vec<Failure>) {
+fn failures(level: &Level, space: &Space, goal: &Goal, inverted: &[u32]) -> (usize, Vec<Failure>) {
     let firsts = level.first_of_components();
     let none = Tally { vertices: 0, bounds: Bounds::NONE, unfit: 0, most: 0.0, inverted: 0 };
     let mut tallies = vec![none; firsts.len()];

@@ -128,6 +128,13 @@ impl Rings {
         spokes.map(|[from, to]| from.cross(to)).sum()
     }
 
+    /// How many triangles between consecutive edges would face against `normal` if the vertex were at `place`.
+    pub(super) fn turned(&self, vertex: usize, positions: &[Point], place: Point, normal: Point) -> usize {
+        let spokes =
+            self.row(vertex).array_windows().map(|pair| pair.map(|end| positions[end as usize] - place));
+        spokes.filter(|[from, to]| from.cross(*to).dot(normal) <= 0.0).count()
+    }
+
     /// Mean length of the edges at a vertex.
     pub(super) fn edge_length(&self, vertex: usize, positions: &[Point]) -> f64 {
         let neighbours = self.neighbours(vertex);

@@ -148,6 +148,8 @@ fn faults_are_told_and_nothing_is_written() {
         format!("surface extract balls.raw out.txt --iso 128 {LAYOUT}"),
         "surface build empty.obj out.wsurf --iso 3".to_owned(),
         format!("surface build balls.raw out.wsurf --iso 300 {LAYOUT}"),
+        format!("surface extract balls.raw out.ply --iso -5 {LAYOUT}"),
+        format!("surface distance balls.raw out.nrrd --iso -5 {LAYOUT}"),
         "surface distance balls.raw out.nrrd --limit 0".to_owned(),
         "surface view-png empty.obj out.png --size 0x9".to_owned(),
     ];
@@ -155,7 +157,6 @@ fn faults_are_told_and_nothing_is_written() {
         folder.run(&line).fails(2, &[]);
     }
     let data = [
-        format!("surface extract balls.raw out.ply --iso -5 {LAYOUT}"),
         "surface decode broken.wsurf out.ply".to_owned(),
         "surface build broken.ply out.wsurf".to_owned(),
         "surface build empty.obj out.wsurf".to_owned(),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use wavelift_host::distance::{self, Options};
+use wavelift_host::distance::{self, DistanceError, Options};
 use wavelift_host::pipeline::MARGIN;
 use wavelift_host::volume::{self, Fault, WriteOptions};
 
@@ -74,7 +74,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         };
         let field = read_field(&args.input, &args.raw, &[&args.output])?;
         start = Instant::now();
-        distance::of_isosurface(&field, iso, &options).map_err(|error| of_file(&error))?
+        distance::of_isosurface(&field, iso, &options).map_err(|error| match error {
+            DistanceError::NoSurface => Failure::at(&args.input, Fault::Usage, error),
+            _ => of_file(&error),
+        })?
     };
     let seconds = start.elapsed().as_secs_f64();
     volume::write(&distance.field.to_volume(), &args.output, &WriteOptions::default())?;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use wavelift_host::isosurface::contour;
 use wavelift_host::mesh::Report;
+use wavelift_host::volume::Fault;
 
 use super::file::{bad, read_field, refuse_other_than_mesh, write_mesh};
 use crate::cli::exit::Failure;
@@ -42,8 +43,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let seconds = start.elapsed().as_secs_f64();
     if mesh.triangles.is_empty() {
         let (low, high) = range(field.values());
-        let what = format!("no surface: values are {low} to {high}, and the isovalue is {}", args.iso);
-        return Err(bad(&args.input, what));
+        let what = format!("there is no surface at {}: the values lie between {low} and {high}", args.iso);
+        return Err(Failure::at(&args.input, Fault::Usage, what));
     }
     write_mesh(&mesh, &args.output)?;
     print(&format!("{} in {seconds:.2} s\n", Report::of(&mesh)))

@@ -1,0 +1,93 @@
+//! A surface whose vertices are known to be where they belong: what is left is to even them out.
+//!
+//! Places that are led back through a simplification cover the whole surface, without folds, whatever its shape, but kinks
+//! and strains of each collapse are left in them. So vertices are relaxed and moved back to the surface a few times, as in
+//! wrapping, but never farther than their edges are long, as they are on the right sheet already.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::goal::Goal;
+use super::level::{Level, Space};
+use super::relax::relaxed;
+use super::repair::repair;
+use super::rings::Kind;
+use super::{WrapError, WrapOptions, Wrapped};
+use crate::field::ScalarField;
+use crate::mesh::{Point, PolygonMesh};
+
+/// Rounds of relaxation.
+const ROUNDS: usize = 4;
+/// How far each moves a vertex towards its neighbours.
+const RELAXATION: f64 = 0.5;
+/// How far a vertex may move in a round, in lengths of its edges, …
+const FARTHEST: f64 = 0.5;
+/// … and besides in distances from the surface: that leads back to it, at some angle.
+const SLANTED: f64 = 1.5;
+/// How near to the surface a vertex must come, in cells, to move.
+const THERE: f64 = 0.02;
+
+/// Puts those vertices of a wrapped surface that are `placed` where `places` say, which are points of the surface in the
+/// numbering of its finest mesh, and evens them out. Vertices with a face in common are placed together.
+///
+/// # Errors
+/// [`WrapError`], as [`super::wrap`].
+///
+/// Cost: about 5 µs a placed vertex on one core, and two passes over all vertices.
+pub fn settle(
+    wrapped: &mut Wrapped,
+    base: &PolygonMesh,
+    places: &[Point],
+    placed: &[bool],
+    distance: &ScalarField,
+    options: &WrapOptions,
+) -> Result<(), WrapError> {
+    let begun = Instant::now();
+    let space = Space::new(distance);
+    let goal = Goal::new(options.target);
+    let mut level = Level::base(base, &space.border)?;
+    for _ in 0..wrapped.surface.levels {
+        level = level.refined(&space.border)?;
+    }
+    let held = |vertex: usize| match placed[vertex] {
+        true => space.border.hold(level.sides[vertex], places[vertex]),
+        false => wrapped.surface.positions[vertex],
+    };
+    level.positions = (0..places.len()).map(held).collect();
+    for _ in 0..ROUNDS {
+        let moved = |vertex: usize| match placed[vertex] {
+            true => moved(&level, &space, &goal, vertex),
+            false => level.positions[vertex],
+        };
+        level.positions = (0..places.len()).into_par_iter().map(moved).collect();
+    }
+    repair(&mut level, &space, &goal);
+    wrapped.report.finish(&level, &space, &goal);
+    wrapped.report.correction_seconds += begun.elapsed().as_secs_f64();
+    wrapped.surface.positions = level.positions;
+    Ok(())
+}
+
+/// Where a vertex goes in a round: nearer to the middle of its neighbours, on the surface; where it is if there is none.
+fn moved(level: &Level, space: &Space, goal: &Goal, vertex: usize) -> Point {
+    let (place, sides) = (level.positions[vertex], level.sides[vertex]);
+    let free = match level.rings.kind(vertex) {
+        Kind::Smooth => true,
+        Kind::Crease(_) => sides.count() > 0,
+        Kind::Fixed => false,
+    };
+    if !free {
+        return place;
+    }
+    let off = goal.distance_in_cells(place, space) * space.cell;
+    let leash = FARTHEST * level.rings.edge_length(vertex, &level.positions) + SLANTED * off;
+    let normal = level.rings.normal(vertex, &level.positions);
+    let step = relaxed(&level.rings, vertex, &level.positions, RELAXATION, false) - place;
+    // Along the surface only, so that the tips of what is thin stay where they are.
+    let towards = place + step.reject_from(normal);
+    let next = goal.approach(space.border.hold(sides, towards), sides, leash, space);
+    let is_there = next.distance(place) <= leash && goal.distance_in_cells(next, space) <= THERE;
+    let turned = |place| level.rings.turned(vertex, &level.positions, place, normal);
+    if is_there && turned(next) <= turned(place) { next } else { place }
+}
