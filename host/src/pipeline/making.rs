@@ -108,12 +108,14 @@ impl Making<'_> {
         options: &WrapOptions,
     ) -> Result<(Wrapped, Measured), BuildError> {
         let finest = |wrapped: &Wrapped| wrapped.surface.level(wrapped.surface.levels);
-        let measured = aim.measure(&finest(&wrapped));
+        let surface = finest(&wrapped);
+        let measured = aim.measure(&surface);
         // Collapses do not lead sharp edges back to themselves.
         if !self.constraints.features.edges.is_empty() {
             return Ok((wrapped, measured));
         }
-        let ones = aim.components_of(&finest(&wrapped), &base.history);
+        let ones = aim.components_of(&surface, &base.history);
+        drop(surface);
         let limits = [RMS, MOST].map(|limit| limit * self.unit(aim));
         let before = aim.excesses(&ones, &measured, limits);
         let misfits: Vec<bool> = ones.iter().map(|&one| before[one as usize] > 1.0).collect();

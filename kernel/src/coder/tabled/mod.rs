@@ -182,11 +182,17 @@ impl Brick<'_> {
         let mut rows = self.rows().rev();
         let Self { sides, values, scratch } = self;
         match predictor {
-            Predictor::Narrow(narrow) => {
-                rows.try_for_each(|row| narrow.forward(values, *sides, row, scratch))
-            }
+            Predictor::Narrow(narrow) => rows.try_for_each(|place| {
+                let (own, row, sums) = narrow.row(values, *sides, place, scratch)?;
+                own.forward(row, sums);
+                Some(())
+            }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
-            Predictor::Wide(wide) => rows.try_for_each(|row| wide.forward(values, row, scratch)),
+            Predictor::Wide(wide) => rows.try_for_each(|place| {
+                let (own, row, sums) = wide.row(values, place, scratch)?;
+                own.forward(row, sums);
+                Some(())
+            }),
         }
     }
 
@@ -195,11 +201,17 @@ impl Brick<'_> {
         let mut rows = self.rows();
         let Self { sides, values, scratch } = self;
         match predictor {
-            Predictor::Narrow(narrow) => {
-                rows.try_for_each(|row| narrow.inverse(values, *sides, row, scratch))
-            }
+            Predictor::Narrow(narrow) => rows.try_for_each(|place| {
+                let (own, row, sums) = narrow.row(values, *sides, place, scratch)?;
+                own.inverse(row, sums);
+                Some(())
+            }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
-            Predictor::Wide(wide) => rows.try_for_each(|row| wide.inverse(values, row, scratch)),
+            Predictor::Wide(wide) => rows.try_for_each(|place| {
+                let (own, row, sums) = wide.row(values, place, scratch)?;
+                own.inverse(row, sums);
+                Some(())
+            }),
         }
     }
 

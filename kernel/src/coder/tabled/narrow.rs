@@ -2,7 +2,7 @@
 
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::{Around, Kind, add_row, add_three, five, row_at};
-use super::own::OwnRow;
+use super::own::{Known, OwnRow};
 use super::train::Lessons;
 use super::{MOST_SPAN_BITS, Span};
 
@@ -128,41 +128,15 @@ impl Narrow {
         Some(Self::new(weights, span))
     }
 
-    /// Makes ranks of residuals of the samples of row y of plane z. `scratch` holds a row.
-    pub(super) fn forward(
-        &self,
-        values: &mut [i32],
-        sides: [usize; 3],
-        place: [usize; 2],
-        scratch: &mut [i32],
-    ) -> Option<()> {
-        let (own, row, sums) = self.row(values, sides, place, scratch)?;
-        own.forward(row, sums);
-        Some(())
-    }
-
-    /// Makes samples of the ranks of row y of plane z. `scratch` holds a row.
-    pub(super) fn inverse(
-        &self,
-        values: &mut [i32],
-        sides: [usize; 3],
-        place: [usize; 2],
-        scratch: &mut [i32],
-    ) -> Option<()> {
-        let (own, row, sums) = self.row(values, sides, place, scratch)?;
-        own.inverse(row, sums);
-        Some(())
-    }
-
-    /// What is known of row y of plane z, the row itself, and its sums over known rows.
+    /// Row y of plane z, with what is known of it. `scratch` holds a row.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    fn row<'a>(
+    pub(super) fn row<'a>(
         &self,
         values: &'a mut [i32],
         sides: [usize; 3],
         place: [usize; 2],
         scratch: &'a mut [i32],
-    ) -> Option<(OwnRow<1>, &'a mut [i32], &'a mut [i32])> {
+    ) -> Option<Known<'a, 1>> {
         let (around, row) = row_at(values, sides, place)?;
         let sums = scratch.get_mut(..row.len())?;
         let weights = [self.sum_known(&around, sums)];
@@ -208,9 +182,12 @@ mod tests {
         let narrow = Narrow::new(weights, Span { lowest: 0, span: 25 });
         // p = (10 + 10) / 2 + 20 / 4 = 15, (17 + 20) / 2 + 30 / 4 = 26, 25 at most, (20 + 30) / 2 + 30 / 4 = 32.5, 25.
         let mut values = [10, 20, 30, 17, 20, 25];
-        narrow.forward(&mut values, [3, 2, 1], [1, 0], &mut [0; 3]).unwrap();
+        let mut scratch = [0; 3];
+        let (own, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
+        own.forward(row, sums);
         assert_eq!(values, [10, 20, 30, 3, 10, 0]);
-        narrow.inverse(&mut values, [3, 2, 1], [1, 0], &mut [0; 3]).unwrap();
+        let (own, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
+        own.inverse(row, sums);
         assert_eq!(values, [10, 20, 30, 17, 20, 25]);
     }
 
@@ -221,7 +198,9 @@ mod tests {
         let ranks = |place: [usize; 2], lowest: i32| {
             let narrow = Narrow::new(weights.clone(), Span { lowest, span: 30 });
             let mut values = [7, 9, 3, 1, 20, 5, 5, 12, 0, 8, 8, 30].map(|sample| sample + lowest);
-            narrow.forward(&mut values, [3, 2, 2], place, &mut [0; 3]).unwrap();
+            let mut scratch = [0; 3];
+            let (own, row, sums) = narrow.row(&mut values, [3, 2, 2], place, &mut scratch).unwrap();
+            own.forward(row, sums);
             let [y, z] = place;
             values.iter().copied().skip(6 * z + 3 * y).take(3).collect::<heapless::Vec<i32, 3>>()
         };

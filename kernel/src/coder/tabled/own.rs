@@ -13,6 +13,9 @@ pub(super) struct OwnRow<const N: usize> {
     pub(super) span: Span,
 }
 
+/// What is known of a row, the row itself, and the sums over known rows.
+pub(super) type Known<'a, const N: usize> = (OwnRow<N>, &'a mut [i32], &'a mut [i32]);
+
 impl<const N: usize> OwnRow<N> {
     /// Makes ranks of residuals of the samples of a row, by the sums over known rows, which it uses up.
     #[cfg_attr(not(feature = "small"), inline(always))]

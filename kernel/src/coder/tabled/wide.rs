@@ -3,7 +3,7 @@
 use super::Span;
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::split_at_row;
-use super::own::OwnRow;
+use super::own::{Known, OwnRow};
 use crate::coder::forecast::{FRACTION_BITS, Weights, add, pad};
 use crate::coder::taps::{Planes, REACH, RowTaps, SAMPLES, Taps, WEST};
 use crate::coder::{Training, low_half};
@@ -98,20 +98,16 @@ impl Wide {
         Some(wide)
     }
 
-    /// Makes ranks of residuals of the samples of row y of plane z.
-    pub(super) fn forward(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
+    /// Row y of plane z, with what is known of it.
+    pub(super) fn row<'a>(
+        &self,
+        values: &'a mut [i32],
+        place: [usize; 2],
+        scratch: &'a mut [i32],
+    ) -> Option<Known<'a, WEST>> {
         let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
         let (own, sums) = self.sum_known(before, place, row.len(), scratch)?;
-        own.forward(row, sums);
-        Some(())
-    }
-
-    /// Makes samples of the ranks of row y of plane z.
-    pub(super) fn inverse(&self, values: &mut [i32], place: [usize; 2], scratch: &mut [i32]) -> Option<()> {
-        let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
-        let (own, sums) = self.sum_known(before, place, row.len(), scratch)?;
-        own.inverse(row, sums);
-        Some(())
+        Some((own, row, sums))
     }
 
     /// What completes the sums over known rows, and these.
@@ -189,10 +185,13 @@ mod tests {
         (first[0], first[5]) = (128, 128);
         let wide = wide([4, 2, 1], 0, &first, &[]);
         let mut values = [10, 20, 30, 40, 12, 14, 16, 18];
-        wide.forward(&mut values, [1, 0], &mut [0; 32]).unwrap();
+        let mut scratch = [0; 32];
+        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch).unwrap();
+        own.forward(row, sums);
         // 12 - 10, 14 - 15, 16 - 21, 18 - 27.
         assert_eq!(values[4..], [2, -1, -5, -9].map(rank));
-        wide.inverse(&mut values, [1, 0], &mut [0; 32]).unwrap();
+        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch).unwrap();
+        own.inverse(row, sums);
         assert_eq!(values[4..], [12, 14, 16, 18]);
     }
 
@@ -206,7 +205,9 @@ mod tests {
                 next = (next + 7) % 31;
                 lowest + next
             });
-            wide.forward(&mut values, [1, 2], &mut [0; 32]).unwrap();
+            let mut scratch = [0; 32];
+            let (own, row, sums) = wide.row(&mut values, [1, 2], &mut scratch).unwrap();
+            own.forward(row, sums);
             <[i32; 3]>::try_from(&values[21..24]).unwrap()
         };
         assert_eq!(row(0), row(i32::MAX - 31));
