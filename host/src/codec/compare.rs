@@ -2,8 +2,6 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use rayon::prelude::*;
-
 use super::brick::Worker;
 use super::content::Place;
 use super::supply::{Block, Layout, Supply};
@@ -84,12 +82,11 @@ impl Container {
                         (0..layout.components).map(move |component| Place { step, brick, component })
                     })
                     .collect();
-                pool.install(|| {
-                    places.into_par_iter().try_for_each_init(Worker::new, |worker, place| {
-                        note(self.compare_brick(worker, place, block, &found))?;
-                        tell(progress, grid.brick(place.brick).samples())
-                    })
-                })?;
+                let compare = |place: Place| {
+                    note(pool.with_worker(|worker| self.compare_brick(worker, place, block, &found)))?;
+                    tell(progress, grid.brick(place.brick).samples())
+                };
+                pool.try_map(places, compare)?;
             }
         }
         Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))

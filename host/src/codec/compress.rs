@@ -3,8 +3,6 @@
 use std::io::Write;
 use std::num::NonZeroUsize;
 
-use rayon::prelude::*;
-
 use super::ahead::{BUFFERS, read_ahead};
 use super::brick::Coding;
 use super::content::{Channel, Head, Step, Summary};
@@ -261,7 +259,7 @@ impl<'a> Compressor<'a> {
                 tell(progress, 0)?;
                 hasher.update(&values);
                 let whole = Block { values: &values, layout, origin: [0; 3], sides: [samples, 1, 1] };
-                self.pool.install(|| look_through(whole, &mut surveys));
+                look_through(&self.pool, whole, &mut surveys);
             }
             Ok::<(), CompressError>(())
         })?;
@@ -297,15 +295,14 @@ impl<'a> Compressor<'a> {
             boxes.iter().map(cut_one).collect::<Result<Vec<Vec<u8>>, CompressError>>()
         };
         let candidates = self.options.wavelet.candidates(self.options.levels, grid.sides)?;
-        let trial = Trial { survey, element, grid, effort, error };
-        self.pool.install(|| trial.best(&candidates, &mut cut))
+        let trial = Trial { pool: &self.pool, survey, element, grid, effort, error };
+        trial.best(&candidates, &mut cut)
     }
 
     /// Bytes that may be read at once, beside `held` bytes and those that bricks are coded in.
     fn most(&self, grid: &Grid, held: u64) -> u64 {
         let brick: u64 = grid.sides.into_iter().map(u64::from).product();
-        let coding =
-            brick.saturating_mul(CODING_BYTES).saturating_mul(self.pool.current_num_threads() as u64);
+        let coding = brick.saturating_mul(CODING_BYTES).saturating_mul(self.pool.count() as u64);
         self.memory.saturating_sub(held).saturating_sub(coding) / BUFFERS
     }
 }
@@ -320,18 +317,17 @@ const LOOK_SAMPLES: u32 = 1 << 17;
 const CODING_BYTES: u64 = 40;
 
 /// Adds the samples of a line to the surveys of their components.
-fn look_through(line: Block<'_>, surveys: &mut [Survey]) {
-    let starts: Vec<u64> = (0..line.sides[0]).step_by(LOOK_SAMPLES as usize).collect();
-    surveys.par_iter_mut().enumerate().for_each(|(component, survey)| {
-        let look = |&start: &u64| {
-            let count = (line.sides[0] - start).min(LOOK_SAMPLES.into()) as u32;
-            let mut next = survey.next();
-            next.add(&line.cut([start, 0, 0], [count, 1, 1], component as u32));
-            next
-        };
-        let found: Vec<Survey> = starts.par_iter().map(look).collect();
-        found.iter().for_each(|next| survey.append(next));
-    });
+fn look_through(pool: &Pool, line: Block<'_>, surveys: &mut [Survey]) {
+    let starts = (0..line.sides[0]).step_by(LOOK_SAMPLES as usize);
+    let parts = starts.flat_map(|start| (0..surveys.len()).map(move |component| (start, component)));
+    let look = |(start, component): (u64, usize)| {
+        let count = (line.sides[0] - start).min(LOOK_SAMPLES.into()) as u32;
+        let mut next = surveys[component].next();
+        next.add(&line.cut([start, 0, 0], [count, 1, 1], component as u32));
+        (component, next)
+    };
+    let found = pool.map(parts.collect(), look);
+    found.iter().for_each(|(component, next)| surveys[*component].append(next));
 }
 
 /// What there is to say before the bricks are coded, some of which the coding has to know as well.

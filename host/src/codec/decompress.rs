@@ -66,7 +66,7 @@ impl Container {
         let pool = Pool::new(options.threads)?;
         let memory = options.memory.unwrap_or_else(|| memory::available() / 2);
         for step in wanted.steps.clone() {
-            let parts = self.slabs(step, &wanted, memory, pool.current_num_threads() as u64)?;
+            let parts = self.slabs(step, &wanted, memory, pool.count() as u64)?;
             std::thread::scope(|threads| {
                 let (full, slabs) = channel::<Vec<u8>>();
                 let (home, empty) = channel();
@@ -85,7 +85,7 @@ impl Container {
                     let Ok(mut slab) = empty.recv() else { return Ok(()) };
                     slab.clear();
                     slab.resize(self.bytes_of(&part) as usize, 0);
-                    pool.install(|| self.fill(step, &part, &mut slab, watch))?;
+                    self.fill(&pool, step, &part, (&mut slab, watch))?;
                     let _ = full.send(slab);
                     Ok(())
                 });

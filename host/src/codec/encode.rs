@@ -2,18 +2,16 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
-
-use rayon::ThreadPool;
 
 use super::ahead::read_ahead;
-use super::brick::{Coding, Encoded, Samples, Unencodable, Worker};
+use super::brick::{Coding, Encoded, Samples, Unencodable};
 use super::content::{Place, Step};
 use super::supply::{Block, Layout, Supply};
 use super::units::{Unit, counts, units};
 use super::writer::Writer;
-use super::{Brick, CompressError, Grid, Progress};
+use super::{Brick, CompressError, Grid, Pool, Progress};
 use crate::progress::tell;
 use crate::volume::ElementType;
 
@@ -40,7 +38,7 @@ impl Job<'_> {
     pub(super) fn run<W: Write>(
         &self,
         supply: &mut Supply<'_>,
-        pool: &ThreadPool,
+        pool: &Pool,
         writer: &mut Writer<W>,
         progress: Progress<'_>,
     ) -> Result<Option<u32>, CompressError> {
@@ -49,12 +47,11 @@ impl Job<'_> {
         let layout = self.layout;
         let wanted =
             units(self.grid, counts).map(move |unit| (unit, layout.stretches(unit.origin, unit.sides)));
-        let workers = Mutex::new(Vec::new());
         let crc = std::thread::scope(|threads| {
             let found = read_ahead(threads, supply, wanted);
-            pool.in_place_scope(|tasks| {
+            pool.scope(|jobs| {
                 let mut hasher = crc32fast::Hasher::new();
-                let most = IN_FLIGHT * pool.current_num_threads() as u64;
+                let most = IN_FLIGHT * pool.count() as u64;
                 let mut line = Line::new(self, writer, progress);
                 for block in found {
                     let (unit, values) = block?;
@@ -65,9 +62,9 @@ impl Job<'_> {
                     for place in self.places(unit) {
                         line.wait(most)?;
                         let (number, done) = line.enter();
-                        let (values, workers) = (Arc::clone(&values), &workers);
-                        tasks.spawn(move |_| {
-                            let coded = self.code(unit, &values, place, workers);
+                        let values = Arc::clone(&values);
+                        jobs.begin(move || {
+                            let coded = self.code(unit, &values, place, pool);
                             drop(values);
                             // Nobody waits for it once another has failed.
                             let _ = done.send((number, place, coded));
@@ -88,22 +85,12 @@ impl Job<'_> {
         bricks.flat_map(move |brick| (0..components).map(move |component| Place { step, brick, component }))
     }
 
-    fn code(
-        &self,
-        unit: Unit,
-        values: &[u8],
-        place: Place,
-        workers: &Mutex<Vec<Worker>>,
-    ) -> Result<Encoded, Unencodable> {
+    fn code(&self, unit: Unit, values: &[u8], place: Place, pool: &Pool) -> Result<Encoded, Unencodable> {
         let Brick { origin, sides } = self.grid.brick(place.brick);
         let block = Block { values, layout: self.layout, origin: unit.origin, sides: unit.sides };
         let bytes = block.cut(origin, sides, place.component);
-        let free = workers.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut worker = free.unwrap_or_else(Worker::new);
         let samples = Samples { element: self.element, sides, bytes: &bytes };
-        let coded = worker.encode(samples, &self.codings[place.component as usize]);
-        workers.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
-        coded
+        pool.with_worker(|worker| worker.encode(samples, &self.codings[place.component as usize]))
     }
 }
 

@@ -4,8 +4,6 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Mutex;
 
-use rayon::prelude::*;
-
 use super::brick::{Worker, coarsened};
 use super::content::Place;
 use super::fill::Holes;
@@ -95,20 +93,18 @@ impl Container {
             return Err(ContainerError::BufferLength { expected, actual });
         }
         let step_bytes = out.len() / header.steps.max(1) as usize;
-        Pool::new(threads)?.install(|| {
-            let steps = wanted.steps.clone().zip(out.chunks_mut(step_bytes.max(1)));
-            steps.into_iter().try_for_each(|(step, out)| self.fill(step, &wanted, out, (progress, None)))
-        })
+        let pool = Pool::new(threads)?;
+        let mut steps = wanted.steps.clone().zip(out.chunks_mut(step_bytes.max(1)));
+        steps.try_for_each(|(step, out)| self.fill(&pool, step, &wanted, (out, (progress, None))))
     }
 
-    /// Reads what is wanted of a step, on the threads that this is called on. A lost brick is an error, unless something
-    /// is to stand for it.
+    /// Reads what is wanted of a step. A lost brick is an error, unless something is to stand for it.
     pub(super) fn fill(
         &self,
+        pool: &Pool,
         step: u64,
         wanted: &Wanted,
-        out: &mut [u8],
-        (progress, holes): (Progress<'_>, Option<&Holes>),
+        (out, (progress, holes)): (&mut [u8], (Progress<'_>, Option<&Holes>)),
     ) -> Result<(), ContainerError> {
         let grid = self.grid(step)?;
         let bricks = wanted.bricks_of(&grid);
@@ -119,10 +115,11 @@ impl Container {
             .collect();
         let (size, components) = (self.head().element.bytes(), wanted.components.len());
         let target = Mutex::new(Target { values: out, extent: wanted.extent(), size, components });
-        places.into_par_iter().try_for_each_init(Worker::new, |worker, place| {
+        let fill = |place: Place| {
             let brick = grid.brick(place.brick);
             let sides = coarsened(brick.sides, wanted.level);
-            let bytes = match (self.decode(worker, place, wanted.level), holes) {
+            let decoded = pool.with_worker(|worker| self.decode(worker, place, wanted.level));
+            let bytes = match (decoded, holes) {
                 (Err(ContainerError::Brick { .. }), Some(holes)) => {
                     holes.stand_in(place, &grid, sides.into_iter().product())
                 }
@@ -136,7 +133,8 @@ impl Container {
                 target.scatter(&bytes, sides, &range, (to, component));
             }
             Ok(tell(progress, count)?)
-        })
+        };
+        pool.try_map(places, fill).map(|_| ())
     }
 
     /// Decodes every brick and compares both checksums, and reads all other records. Calls `damaged` with what is not
@@ -170,14 +168,14 @@ impl Container {
                     continue;
                 }
             };
-            let check = |worker: &mut Worker, brick| {
+            let check = |brick| {
                 (0..self.head().components).try_for_each(|component| {
-                    note(self.decode_and_check(worker, Place { step, brick, component }).map(|_| ()))?;
+                    let place = Place { step, brick, component };
+                    note(pool.with_worker(|worker| self.decode_and_check(worker, place)).map(|_| ()))?;
                     tell(progress, grid.brick(brick).samples())
                 })
             };
-            let bricks = || (0..grid.bricks()).into_par_iter().try_for_each_init(Worker::new, check);
-            pool.install(bricks)?;
+            pool.try_map((0..grid.bricks()).collect(), check)?;
         }
         Ok(())
     }

@@ -3,8 +3,6 @@
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 
-use rayon::prelude::*;
-
 use super::brick::Worker;
 use super::content::{BrickLabel, Head, Place, Step};
 use super::decode::decode_found;
@@ -87,15 +85,14 @@ pub fn repair(
     let mut writer = Writer::new(out, &head, metadata).map_err(RepairError::Write)?;
     let mut kept = 0;
     damage.lost.clear();
-    let batch = BATCH * pool.current_num_threads();
+    let batch = BATCH * pool.count();
     for number in 0..container.steps() {
         let step = container.step(number).map_err(|_| RepairError::NoStep)?;
         writer.step(step).map_err(RepairError::Write)?;
         let places: Vec<Place> = places(&head, step).collect();
         for places in places.chunks(batch) {
-            let read = |worker: &mut Worker, place: &Place| whole(&container, worker, step, *place);
-            let bricks: io::Result<Vec<_>> =
-                pool.install(|| places.par_iter().map_init(Worker::new, read).collect());
+            let read = |place| pool.with_worker(|worker| whole(&container, worker, step, place));
+            let bricks = pool.try_map(places.to_vec(), read);
             for (place, whole) in places.iter().zip(bricks.map_err(RepairError::Read)?) {
                 match whole {
                     Some(Whole { label, stored, statistics }) => {

@@ -1,12 +1,10 @@
 //! Finding out, on parts of a volume, what makes it smallest.
 
-use rayon::prelude::*;
-
 use super::brick::{Coding, Samples, Unencodable, Worker};
 use super::choice::{Candidates, Transform};
 use super::grid::per_axis;
 use super::survey::Survey;
-use super::{Brick, CompressError, Effort, Form, Grid, scaled, steps};
+use super::{Brick, CompressError, Effort, Form, Grid, Pool, scaled, steps};
 use crate::volume::ElementType;
 
 /// The part of a volume that something is tried on.
@@ -31,6 +29,9 @@ const OF_LATTICES: Share = Share { one_in: 4, fewest: 1 << 18, pieces: 1, most_p
 /// As [`OF_FORMS`], for each wavelet.
 const OF_WAVELETS: Share = Share { one_in: 32, ..OF_FORMS };
 
+/// Samples that a piece has, if there are so many: the kernel codes fewer in another way.
+const FEWEST: u64 = 1 << 14;
+
 /// Bytes that a packed value takes in the index, about.
 const BYTES_PER_VALUE: u64 = 2;
 
@@ -39,6 +40,7 @@ pub(super) type Cut<'a> = &'a mut (dyn FnMut(&[Brick]) -> Result<Vec<Vec<u8>>, C
 
 /// A volume, to be tried.
 pub(super) struct Trial<'a> {
+    pub(super) pool: &'a Pool,
     pub(super) survey: &'a Survey,
     pub(super) element: ElementType,
     pub(super) grid: &'a Grid,
@@ -121,8 +123,8 @@ impl Trial<'_> {
     }
 
     fn costs(&self, codings: &[Coding], pieces: &[Piece]) -> Result<Vec<u64>, Unencodable> {
-        let cost = |worker: &mut Worker, coding: &Coding| self.cost(worker, coding, pieces);
-        codings.par_iter().map_init(Worker::new, cost).collect()
+        let cost = |coding| self.pool.with_worker(|worker| self.cost(worker, coding, pieces));
+        self.pool.try_map(codings.iter().collect(), cost)
     }
 
     /// Bytes of `pieces`, and the share that they have in what the index will say of values.
@@ -153,11 +155,17 @@ impl Trial<'_> {
         let samples = (self.samples() / share.one_in).max(share.fewest);
         let mut sides = self.grid.sides;
         let whole: u64 = sides.into_iter().map(u64::from).product();
-        let count = (samples / whole.min(share.fewest / share.pieces)).clamp(1, share.most_pieces);
-        while sides.into_iter().map(u64::from).product::<u64>() > samples / count {
+        let most = (samples / whole.min(share.fewest / share.pieces)).clamp(1, share.most_pieces);
+        let size = |sides: [u32; 3]| sides.into_iter().map(u64::from).product::<u64>();
+        while size(sides) > samples / most {
             let longest = (0..3).max_by_key(|&axis| sides[axis]).unwrap_or(0);
-            sides[longest] = sides[longest].div_ceil(2);
+            let halved = per_axis(|axis| sides[axis].div_ceil(if axis == longest { 2 } else { 1 }));
+            if size(halved) < FEWEST {
+                break;
+            }
+            sides = halved;
         }
+        let count = (samples / size(sides)).clamp(1, most);
         // Each place along an axis once, in another order along each: the steps have no factor in common with any count.
         let origin = |number: u64, axis: usize| {
             let place = (2 * number + 1) * [1, 11, 13][axis] % (2 * count);
