@@ -103,6 +103,7 @@ impl Profile {
 
     /// Adds the samples that come next.
     pub fn add<R: Real>(&mut self, samples: impl Iterator<Item = R>) {
+        let most = self.most();
         for sample in samples {
             self.seen += 1;
             let (value, bits) = (sample.to_f64(), sample.bits());
@@ -123,10 +124,10 @@ impl Profile {
                     && !Scale::exact(density).holds(sample)
                 {
                     changes.add(bits);
+                    *off = Some(*changes).filter(|changes| changes.count <= most);
                 }
             }
         }
-        self.settle();
     }
 
     /// Adds the profile of the samples that come next.

@@ -1,7 +1,5 @@
 //! What is to be known of a volume before its bricks are coded: gathered in one pass, in parts of any size.
 
-use std::collections::BTreeSet;
-
 use super::{Values, planes};
 use crate::bound::{FiniteRange, Profile, samples_of};
 use crate::volume::ElementType;
@@ -29,7 +27,8 @@ enum Distinct {
         smallest: i32,
         marks: Vec<bool>,
     },
-    Collected(BTreeSet<i32>),
+    /// Ascending.
+    Collected(Vec<i32>),
     TooMany,
 }
 
@@ -41,7 +40,7 @@ impl Survey {
                 let smallest = if element.is_signed_integer() { -1 << (8 * bytes - 1) } else { 0 };
                 Distinct::Marked { smallest, marks: vec![false; 1 << (8 * bytes)] }
             }
-            ([_], _) => Distinct::Collected(BTreeSet::new()),
+            ([_], _) => Distinct::Collected(Vec::new()),
             _ => Distinct::TooMany,
         };
         let profile = match element {
@@ -58,7 +57,7 @@ impl Survey {
             Distinct::Marked { smallest, marks } => {
                 Distinct::Marked { smallest: *smallest, marks: vec![false; marks.len()] }
             }
-            Distinct::Collected(_) => Distinct::Collected(BTreeSet::new()),
+            Distinct::Collected(_) => Distinct::Collected(Vec::new()),
             Distinct::TooMany => Distinct::TooMany,
         };
         Self {
@@ -138,7 +137,7 @@ impl Distinct {
             Self::Collected(values) => {
                 samples.sort_unstable();
                 samples.dedup();
-                values.extend(samples);
+                merge(values, &samples);
             }
             Self::TooMany => {}
         }
@@ -150,7 +149,7 @@ impl Distinct {
             (Self::Marked { marks, .. }, Self::Marked { marks: later, .. }) => {
                 marks.iter_mut().zip(later).for_each(|(mark, later)| *mark |= later);
             }
-            (Self::Collected(values), Self::Collected(later)) => values.extend(later),
+            (Self::Collected(values), Self::Collected(later)) => merge(values, later),
             _ => *self = Self::TooMany,
         }
         self.settle();
@@ -168,10 +167,18 @@ impl Distinct {
                 let values = (*smallest..).zip(marks).filter(|&(_, &mark)| mark);
                 Some(values.map(|(value, _)| value).collect())
             }
-            Self::Collected(values) => Some(values.iter().copied().collect()),
+            Self::Collected(values) => Some(values.clone()),
             Self::TooMany => None,
         }
     }
+}
+
+/// Adds values to others, both ascending.
+fn merge(values: &mut Vec<i32>, others: &[i32]) {
+    values.extend(others);
+    // Quick, as it finds both runs.
+    values.sort();
+    values.dedup();
 }
 
 /// The smallest and the largest of little-endian integers.
