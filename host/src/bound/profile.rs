@@ -104,6 +104,9 @@ impl Profile {
     /// Adds the samples that come next.
     pub fn add<R: Real>(&mut self, samples: impl Iterator<Item = R>) {
         let most = self.most();
+        let mut tried: Vec<_> =
+            self.off_decimals.iter_mut().zip(DECIMALS).filter(|(off, _)| off.is_some()).collect();
+        let (mut range, mut lowest_bit) = (self.range, self.lowest_bit);
         for sample in samples {
             self.seen += 1;
             let (value, bits) = (sample.to_f64(), sample.bits());
@@ -111,23 +114,25 @@ impl Profile {
             class.changes.add(bits);
             if value.is_finite() {
                 class.largest = class.largest.max(value.abs());
-                self.range = Some(widened(self.range, FiniteRange { min: value, max: value }));
+                range = Some(widened(range, FiniteRange { min: value, max: value }));
                 if value != 0.0 {
                     let lowest = lowest_bit_of(value);
-                    self.lowest_bit = Some(self.lowest_bit.map_or(lowest, |known| known.min(lowest)));
+                    lowest_bit = Some(lowest_bit.map_or(lowest, |known: i32| known.min(lowest)));
                 }
             } else {
                 class.largest = f64::INFINITY;
             }
-            for (off, density) in self.off_decimals.iter_mut().zip(DECIMALS) {
+            tried.retain_mut(|(off, density)| {
                 if let Some(changes) = off
-                    && !Scale::exact(density).holds(sample)
+                    && !Scale::exact(*density).holds(sample)
                 {
                     changes.add(bits);
-                    *off = Some(*changes).filter(|changes| changes.count <= most);
+                    **off = Some(*changes).filter(|changes| changes.count <= most);
                 }
-            }
+                off.is_some()
+            });
         }
+        (self.range, self.lowest_bit) = (range, lowest_bit);
     }
 
     /// Adds the profile of the samples that come next.

@@ -134,6 +134,7 @@ impl Distinct {
             Self::Marked { smallest, marks } => {
                 samples.iter().for_each(|sample| marks[(sample - *smallest) as usize] = true);
             }
+            Self::Collected(_) if are_many(&samples) => *self = Self::TooMany,
             Self::Collected(values) => {
                 samples.sort_unstable();
                 samples.dedup();
@@ -171,6 +172,24 @@ impl Distinct {
             Self::TooMany => None,
         }
     }
+}
+
+/// Whether there are more than [`MOST_VALUES`] for certain: that many places of a table are met, where equal samples meet
+/// the same. Far quicker than to sort them.
+fn are_many(samples: &[i32]) -> bool {
+    const PLACE_BITS: u32 = 20;
+    // The golden section of 2^32, which spreads neighbours (Knuth, The Art of Computer Programming, 6.4).
+    const SPREAD: u32 = 0x9E37_79B9;
+    if samples.len() <= MOST_VALUES {
+        return false;
+    }
+    let mut places = vec![false; 1 << PLACE_BITS];
+    let mut met = 0;
+    samples.iter().any(|sample| {
+        let place = (sample.cast_unsigned().wrapping_mul(SPREAD) >> (u32::BITS - PLACE_BITS)) as usize;
+        met += usize::from(!std::mem::replace(&mut places[place], true));
+        met > MOST_VALUES
+    })
 }
 
 /// Adds values to others, both ascending.
@@ -232,6 +251,8 @@ mod tests {
         assert_eq!(whole(ElementType::U16, &[7, 7]).values(), None);
         let many: Vec<i64> = (0..70_000).map(|i| 3 * i).collect();
         assert_eq!(whole(ElementType::I32, &many).values(), None);
+        let few: Vec<i64> = (0..70_000).map(|i| 3 * (i % 65_536)).collect();
+        assert_eq!(whole(ElementType::I32, &few).values().map(|values| values.count()), Some(65_536));
         assert_eq!(whole(ElementType::I64, &[3, 900]).values(), None);
     }
 
