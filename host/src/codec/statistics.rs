@@ -23,17 +23,18 @@ pub struct Statistics {
 /// The number of the last place of a mean.
 const LAST_PLACE: f64 = 65535.0;
 
-/// Calls a function for the samples of little-endian bytes, as the integers that they are.
+/// The smallest, the largest, and the sum of the samples of little-endian bytes, as the integers that they are; the sum of
+/// 2^28 of them fits its type.
 macro_rules! of_integers {
-    ($element:expr, $bytes:expr, $($variant:ident => $type:ty),+) => {
+    ($element:expr, $bytes:expr, $($variant:ident => $type:ty: $sum:ty),+) => {
         match $element {
             $(ElementType::$variant => {
                 let samples = $bytes.as_chunks().0.iter().map(|&sample| <$type>::from_le_bytes(sample));
                 let ends = samples.clone().fold((<$type>::MAX, <$type>::MIN), |(min, max), sample| {
                     (sample.min(min), sample.max(max))
                 });
-                let sum = samples.map(|sample| sample as i128).sum();
-                (ends.0 as i128, ends.1 as i128, sum)
+                let sum: $sum = samples.map(<$sum>::from).sum();
+                (ends.0 as i128, ends.1 as i128, sum as i128)
             })+
             _ => (0, 0, 0),
         }
@@ -53,7 +54,8 @@ impl Statistics {
 
     fn of_integers(element: ElementType, bytes: &[u8]) -> Self {
         let (min, max, sum): (i128, i128, i128) = of_integers!(element, bytes,
-            U8 => u8, I8 => i8, U16 => u16, I16 => i16, U32 => u32, I32 => i32, U64 => u64, I64 => i64);
+            U8 => u8: i64, I8 => i8: i64, U16 => u16: i64, I16 => i16: i64, U32 => u32: i64, I32 => i32: i64,
+            U64 => u64: i128, I64 => i64: i128);
         let (count, width) = ((bytes.len() / element.bytes()) as i128, max - min);
         // At most 2^28 samples of 64 bits, times 2^17.
         let place =

@@ -11,7 +11,7 @@ pub(super) const MOST_VALUES: usize = 1 << 16;
 #[derive(Clone, Debug)]
 pub(super) struct Survey {
     element: ElementType,
-    /// The smallest and the largest integer.
+    /// The smallest and the largest of integers of more than 16 bits.
     ends: Option<[i128; 2]>,
     /// Those that occur, of a type of one plane, unless they are too many.
     distinct: Distinct,
@@ -22,9 +22,10 @@ pub(super) struct Survey {
 /// The values that occur, as the first plane holds them.
 #[derive(Clone, Debug)]
 enum Distinct {
-    /// Of at most 16 bits: which there are, from the smallest that there may be on.
+    /// Of at most 16 bits: which there are, from the smallest that there may be on. Bits that are `flipped` count up.
     Marked {
         smallest: i32,
+        flipped: usize,
         marks: Vec<bool>,
     },
     /// Ascending.
@@ -37,8 +38,12 @@ impl Survey {
     pub(super) fn new(element: ElementType, total: u64) -> Self {
         let distinct = match (planes::sample_types(element), element.bytes()) {
             ([_], bytes @ (1 | 2)) => {
-                let smallest = if element.is_signed_integer() { -1 << (8 * bytes - 1) } else { 0 };
-                Distinct::Marked { smallest, marks: vec![false; 1 << (8 * bytes)] }
+                let half = if element.is_signed_integer() { 1 << (8 * bytes - 1) } else { 0 };
+                Distinct::Marked {
+                    smallest: -half,
+                    flipped: half as usize,
+                    marks: vec![false; 1 << (8 * bytes)],
+                }
             }
             ([_], _) => Distinct::Collected(Vec::new()),
             _ => Distinct::TooMany,
@@ -54,8 +59,9 @@ impl Survey {
     /// A survey of values that follow these: what is settled already is left out.
     pub(super) fn next(&self) -> Self {
         let distinct = match &self.distinct {
-            Distinct::Marked { smallest, marks } => {
-                Distinct::Marked { smallest: *smallest, marks: vec![false; marks.len()] }
+            Distinct::Marked { smallest, flipped, marks } => {
+                let (smallest, flipped) = (*smallest, *flipped);
+                Distinct::Marked { smallest, flipped, marks: vec![false; marks.len()] }
             }
             Distinct::Collected(_) => Distinct::Collected(Vec::new()),
             Distinct::TooMany => Distinct::TooMany,
@@ -73,6 +79,7 @@ impl Survey {
         match (&mut self.profile, self.element) {
             (Some(profile), ElementType::F32) => profile.add(samples_of::<f32>(bytes)),
             (Some(profile), _) => profile.add(samples_of::<f64>(bytes)),
+            (None, _) if matches!(self.distinct, Distinct::Marked { .. }) => {}
             (None, _) => {
                 if let Some(ends) = ends(self.element, bytes) {
                     self.widen(ends);
@@ -101,7 +108,7 @@ impl Survey {
     /// The range of the finite values. Of integers, its width is exact but for one rounding, and its place is not told:
     /// it begins at 0.
     pub(super) fn range(&self) -> FiniteRange {
-        match (&self.profile, self.ends) {
+        match (&self.profile, self.ends()) {
             (Some(profile), _) => profile.range(),
             (None, ends) => FiniteRange { min: 0.0, max: ends.map_or(0.0, |[min, max]| (max - min) as f64) },
         }
@@ -109,7 +116,14 @@ impl Survey {
 
     /// The largest integer.
     pub(super) fn largest(&self) -> i128 {
-        self.ends.map_or(0, |[_, max]| max)
+        self.ends().map_or(0, |[_, max]| max)
+    }
+
+    /// The smallest and the largest integer.
+    fn ends(&self) -> Option<[i128; 2]> {
+        let Distinct::Marked { smallest, marks, .. } = &self.distinct else { return self.ends };
+        let ends = [marks.iter().position(|mark| *mark)?, marks.iter().rposition(|mark| *mark)?];
+        Some(ends.map(|place| i128::from(*smallest) + place as i128))
     }
 
     /// What is to be known of floats.
@@ -125,24 +139,32 @@ impl Survey {
 
 impl Distinct {
     fn add(&mut self, element: ElementType, bytes: &[u8]) {
-        if matches!(self, Self::TooMany) {
-            return;
-        }
-        let mut samples = vec![0; bytes.len() / element.bytes()];
-        planes::split(element, 0, bytes, &mut samples);
+        let samples = || {
+            let mut samples = vec![0; bytes.len() / element.bytes()];
+            planes::split(element, 0, bytes, &mut samples);
+            samples
+        };
         match self {
-            Self::Marked { smallest, marks } => {
-                samples.iter().for_each(|sample| marks[(sample - *smallest) as usize] = true);
-            }
-            Self::Collected(_) if are_many(&samples) => *self = Self::TooMany,
+            Self::Marked { flipped, marks, .. } => match element.bytes() {
+                1 => bytes.iter().for_each(|&byte| marks[usize::from(byte) ^ *flipped] = true),
+                _ => {
+                    let values = bytes.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
+                    values.for_each(|value| marks[usize::from(value) ^ *flipped] = true);
+                }
+            },
             Self::Collected(values) => {
+                let mut samples = samples();
+                if are_many(&samples) {
+                    *self = Self::TooMany;
+                    return;
+                }
                 samples.sort_unstable();
                 samples.dedup();
                 merge(values, &samples);
+                self.settle();
             }
             Self::TooMany => {}
         }
-        self.settle();
     }
 
     fn append(&mut self, later: &Self) {
@@ -164,7 +186,7 @@ impl Distinct {
 
     fn ascending(&self) -> Option<Vec<i32>> {
         match self {
-            Self::Marked { smallest, marks } => {
+            Self::Marked { smallest, marks, .. } => {
                 let values = (*smallest..).zip(marks).filter(|&(_, &mark)| mark);
                 Some(values.map(|(value, _)| value).collect())
             }
@@ -236,7 +258,7 @@ mod tests {
             parts.append(&next);
         }
         assert_eq!(parts.distinct.ascending(), whole.distinct.ascending());
-        assert_eq!((parts.ends, &parts.profile), (whole.ends, &whole.profile));
+        assert_eq!((parts.ends(), &parts.profile), (whole.ends(), &whole.profile));
         whole
     }
 
