@@ -1,5 +1,7 @@
 //! Finding out, on parts of a volume, what makes it smallest.
 
+use wavelift_kernel::SampleType;
+
 use super::brick::{Coding, Samples, Unencodable, Worker};
 use super::choice::{Candidates, Transform};
 use super::grid::per_axis;
@@ -79,12 +81,16 @@ impl Trial<'_> {
         Ok(self.smallest(codings.collect(), &pieces)?)
     }
 
-    /// The forms that the samples may be written in.
+    /// The forms that the samples may be written in. Floats that may move and are narrow then need not be tried exactly:
+    /// bricks of which that is shorter are found one by one.
     fn forms(&self, transform: Transform) -> Vec<Form> {
         let is_integer = !self.element.is_float();
         let stepped = steps::width(self.error).filter(|_| is_integer).map(Form::Steps);
-        let mut forms = vec![stepped.unwrap_or(Form::Exact)];
-        forms.extend(self.scaled(0));
+        let scaled = self.scaled(0);
+        let is_narrow =
+            matches!(scaled, Some(Form::Scaled { integers: SampleType::I8 | SampleType::I16, .. }));
+        let exact = (self.error == 0.0 || !is_narrow).then(|| stepped.unwrap_or(Form::Exact));
+        let mut forms: Vec<Form> = exact.into_iter().chain(scaled).collect();
         if transform.wavelet.is_none() {
             forms.extend(self.lattice());
             forms.extend(self.survey.values().map(Form::Packed));
