@@ -235,7 +235,10 @@ impl Worker {
                 split.ok_or(Unencodable::Unknown)?;
                 let len = match coding.form.slack() {
                     Some(slack) => self.encode_lattice(Near { extent, sample_type, slack }),
-                    None => self.encode_plane(&coding.transform.plan(extent), sample_type, way),
+                    None => {
+                        let way = way.of_samples(&self.integers);
+                        self.encode_plane(&coding.transform.plan(extent), sample_type, way)
+                    }
                 };
                 let len = len.expect("the memory lent has the lengths that the kernel asks for");
                 if encoded.bytes.len() == start || len < encoded.bytes.len() - start {

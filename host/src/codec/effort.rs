@@ -49,6 +49,8 @@ impl Effort {
 /// What the kernel is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Way {
+    /// Predictions from the nearest samples, and distributions that adapt.
+    Nearest,
     /// Tables, and predictions from the nearest samples.
     Tabled,
     /// Tables, and trained predictors.
@@ -60,6 +62,16 @@ pub(super) enum Way {
 }
 
 impl Way {
+    /// The same predictions of samples nearly all of which are equal to those before them without tables, which would be
+    /// most of what there is to write.
+    pub(super) fn of_samples(self, samples: &[i32]) -> Self {
+        match self {
+            Self::Tabled if are_still(samples) => Self::Nearest,
+            Self::Wide if are_still(samples) => Self::Adaptive,
+            _ => self,
+        }
+    }
+
     /// The kernel's effort, with the memory that it learns in.
     pub(super) const fn of_kernel<'a>(
         self,
@@ -67,12 +79,20 @@ impl Way {
         dense: &'a mut Dense,
     ) -> KernelEffort<'a> {
         match self {
+            Self::Nearest => KernelEffort::Fast,
             Self::Tabled => KernelEffort::Tabled,
             Self::Wide => KernelEffort::Wide(training),
             Self::Adaptive => KernelEffort::Default(training),
             Self::Dense => KernelEffort::Dense(dense, training),
         }
     }
+}
+
+/// Whether fewer than one in ten samples differ from the one before.
+fn are_still(samples: &[i32]) -> bool {
+    let changes =
+        samples.iter().zip(samples.iter().skip(1)).filter(|(before, sample)| before != sample).count();
+    10 * changes < samples.len()
 }
 
 impl fmt::Display for Effort {
