@@ -4,9 +4,10 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::format::foreign;
 use super::npy::NpyError;
 use super::nrrd::NrrdError;
-use super::{FileFormat, SlicesError};
+use super::{ExtentError, FileFormat, SlicesError};
 
 /// Whose fault an error is; the program's exit code follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,13 +55,21 @@ pub enum ReadError {
     },
     /// A raw file without a layout.
     #[error(
-        "{}: a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
-         the first bytes are those of .nrrd, .nhdr or .npy)",
-        path.display()
+        "{}: {}; a raw file does not say its extent and type: give --extent XxYxZ and --type T",
+        path.display(),
+        foreign(path)
     )]
     NoLayout {
         /// File in question.
         path: PathBuf,
+    },
+    /// A layout that no file can have.
+    #[error("{}: {cause}", path.display())]
+    Layout {
+        /// File in question.
+        path: PathBuf,
+        /// What is wrong with the layout.
+        cause: ExtentError,
     },
     /// A raw file of another length than its layout.
     #[error(
@@ -70,7 +79,7 @@ pub enum ReadError {
     LayoutMismatch {
         /// File in question.
         path: PathBuf,
-        /// Extent and type as given, `64x64x93 of u16`.
+        /// Extent, type and what else is given, `64x64x93 of u16`.
         layout: String,
         /// Bytes of that layout.
         expected: u64,
@@ -175,7 +184,10 @@ impl ReadError {
     pub const fn kind(&self) -> Fault {
         match self {
             Self::Io { .. } | Self::TooLarge { .. } => Fault::Io,
-            Self::NoLayout { .. } | Self::LayoutMismatch { .. } | Self::NotScalar { .. } => Fault::Usage,
+            Self::NoLayout { .. }
+            | Self::Layout { .. }
+            | Self::LayoutMismatch { .. }
+            | Self::NotScalar { .. } => Fault::Usage,
             Self::SampleBytes { .. }
             | Self::Gzip { .. }
             | Self::Changed { .. }

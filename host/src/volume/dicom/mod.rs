@@ -136,8 +136,8 @@ impl Format for Dicom {
         true
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        None
+    fn begins(&self, first: &[u8]) -> bool {
+        first.get(128..132) == Some(b"DICM".as_slice())
     }
 
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {

@@ -107,8 +107,8 @@ impl Format for Npy {
         has_extension(path, &["npy"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(MAGIC)
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(MAGIC)
     }
 
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
