@@ -93,7 +93,9 @@ pub enum DicomError {
     #[error("there is no DICOM file with pixels of this name, in this folder or series")]
     NoFiles,
     /// A file unlike the first.
-    #[error("{file:?} has {found}, {first:?} has {expected}: they make no volume")]
+    #[error(
+        "{file:?} has {found}, {first:?} has {expected}: they make no volume; move one of them elsewhere"
+    )]
     Differs {
         /// The file.
         file: String,
@@ -103,6 +105,21 @@ pub enum DicomError {
         first: String,
         /// What that one has.
         expected: String,
+    },
+    /// Slices in the same place, but not as many in each.
+    #[error(
+        "{before:?} and {after:?} are {found} mm apart, others {usual} mm: a copy, or a time step or echo that does not \
+         have all slices; move it elsewhere"
+    )]
+    Crowded {
+        /// A file.
+        before: String,
+        /// The one behind it.
+        after: String,
+        /// Their distance.
+        found: String,
+        /// The distance of most.
+        usual: String,
     },
     /// Slices that do not follow each other.
     #[error("a slice is missing: {before:?} and {after:?} are {found} mm apart, others {usual} mm")]
