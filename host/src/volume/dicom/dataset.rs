@@ -54,6 +54,8 @@ pub(super) enum Packing {
     Rle,
     /// Baseline, extended or lossless.
     Jpeg,
+    /// Without loss or with.
+    Jpeg2000,
 }
 
 impl Syntax {
@@ -65,9 +67,10 @@ impl Syntax {
             ".2" => return Ok(Self { byte_order: ByteOrder::Big, ..plain }),
             ".5" => return Ok(Self { packing: Packing::Rle, ..plain }),
             ".4.50" | ".4.51" | ".4.57" | ".4.70" => return Ok(Self { packing: Packing::Jpeg, ..plain }),
+            ".4.90" | ".4.91" => return Ok(Self { packing: Packing::Jpeg2000, ..plain }),
             ".1.99" => "deflate",
             ".4.80" | ".4.81" => "JPEG-LS",
-            ".4.90" | ".4.91" | ".4.92" | ".4.93" => "JPEG 2000",
+            ".4.92" | ".4.93" => "JPEG 2000 of several components",
             ".4.201" | ".4.202" | ".4.203" => "High-Throughput JPEG 2000",
             rest if rest.starts_with(".4.11") => "JPEG XL",
             rest if rest.starts_with(".4.10") => "video",

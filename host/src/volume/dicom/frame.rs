@@ -6,9 +6,9 @@ use super::DicomError;
 use super::dataset::{DataSet, Packing, Pixels};
 use crate::volume::element::reorder;
 use crate::volume::input::Input;
-use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
+use crate::volume::{jpeg, jpeg2000};
 
 pub(super) const SAMPLES: u32 = 0x0028_0002;
 pub(super) const PHOTOMETRIC: u32 = 0x0028_0004;
@@ -116,7 +116,8 @@ impl Layout {
             Pixels::Native { .. } if self.packing == Packing::None => Ok(()),
             Pixels::Frames(frames) if self.packing != Packing::None => {
                 // A single frame of JPEG may come in several parts.
-                let is_in_parts = self.packing == Packing::Jpeg && self.frames == 1 && !frames.is_empty();
+                let is_jpeg = matches!(self.packing, Packing::Jpeg | Packing::Jpeg2000);
+                let is_in_parts = is_jpeg && self.frames == 1 && !frames.is_empty();
                 match frames.len() as u64 == self.frames || is_in_parts {
                     true => Ok(()),
                     false => Err(DicomError::Frames { found: frames.len() as u64, expected: self.frames }),
@@ -168,6 +169,7 @@ impl Layout {
                 }
                 match self.packing {
                     Packing::Jpeg => out.copy_from_slice(&self.decode(&stored)?),
+                    Packing::Jpeg2000 => out.copy_from_slice(&self.decode_2000(&stored)?),
                     _ => self.unpack(&stored, out).ok_or_else(damaged)?,
                 }
             }
@@ -197,6 +199,17 @@ impl Layout {
             is_rgb: Some(self.is_rgb),
         };
         jpeg::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
+    }
+
+    /// A frame of JPEG 2000.
+    fn decode_2000(&self, stored: &[u8]) -> Result<Vec<u8>, DicomError> {
+        let expected = jpeg2000::Expected {
+            width: self.columns.into(),
+            height: self.rows.into(),
+            components: self.samples.into(),
+            bytes: self.element.bytes(),
+        };
+        jpeg2000::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
     }
 
     /// A frame of run lengths: a segment for each byte of a value, the most significant one first.

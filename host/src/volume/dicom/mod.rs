@@ -43,7 +43,8 @@ pub enum DicomError {
     NoPixels,
     /// A transfer syntax that is not read.
     #[error(
-        "the transfer syntax {uid} ({name}) is not read: decompress it with `gdcmconv --raw`, or `dcmdjpls` for JPEG-LS"
+        "the transfer syntax {uid} ({name}) is not read: decompress it with `{}`",
+        if *name == "JPEG-LS" { "dcmdjpls" } else { "gdcmconv --raw" }
     )]
     Syntax {
         /// Its identifier.
