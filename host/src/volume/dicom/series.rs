@@ -240,7 +240,7 @@ impl Series {
         let File { layout, set, .. } = &self.files[self.parts[0].file];
         // Where it is known where a slice lies, it has a third axis.
         let geometry = self.geometry();
-        let is_slice = self.slices == 1 && self.steps == 1 && geometry.is_empty();
+        let is_slice = self.is_slice() && geometry.len() < 2;
         let mut metadata = Metadata::plain(if is_slice { 2 } else { 3 }, FileFormat::Dicom);
         metadata.source.byte_order =
             if layout.element.bytes() > 1 { layout.byte_order } else { ByteOrder::Little };
@@ -255,14 +255,19 @@ impl Series {
         }
     }
 
-    /// Places and directions, in millimetres; left, posterior, superior.
+    fn is_slice(&self) -> bool {
+        self.slices == 1 && self.steps == 1
+    }
+
+    /// Places and directions, or distances alone, in millimetres; left, posterior, superior.
     fn geometry(&self) -> Vec<HeaderLine> {
         let set = &self.files[self.parts[0].file].set;
         let field = |name: &str, value: String| HeaderLine::Field { name: name.to_owned(), value };
         let spacing = set.decimals(PIXEL_SPACING).filter(|spacing| spacing.len() == 2);
         let Some((spacing, [x, y, normal])) = spacing.clone().zip(self.axes) else {
-            let spacings =
-                spacing.map(|spacing| field("spacings", format!("{} {} nan", spacing[1], spacing[0])));
+            let third = if self.is_slice() { "" } else { " nan" };
+            let distances = |spacing: Vec<f64>| format!("{} {}{third}", spacing[1], spacing[0]);
+            let spacings = spacing.map(|spacing| field("spacings", distances(spacing)));
             return spacings.into_iter().collect();
         };
         let last = (self.slices - 1) as usize;

@@ -300,6 +300,26 @@ fn frames_are_sorted_by_their_places() {
 }
 
 #[test]
+fn bits_are_read_across_bytes_and_frames() {
+    let mut all = Elements::default();
+    all.text(0x0028_0008, "3");
+    for (tag, number) in
+        [(0x0028_0010, 1), (0x0028_0011, 5), (0x0028_0100, 1), (0x0028_0101, 1), (0x0028_0102, 0)]
+    {
+        all.numbers(tag, &[number]);
+    }
+    let mut file = super::elements::beginning("1.2", "1.2.3");
+    file.extend(all.encoded());
+    super::elements::head(&mut file, 0x7FE0_0010, 2);
+    file.extend([0b1010_0111, 0b0110_0001]);
+    let (header, values) = read(&file).unwrap();
+    assert_eq!((header.extent, header.element), ([5, 1, 3], ElementType::U8));
+    assert_eq!(values, [1, 1, 1, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 1, 1]);
+    file.pop();
+    assert_eq!(read(&file).unwrap_err().kind(), Fault::Data);
+}
+
+#[test]
 fn a_copy_of_a_slice_is_told() {
     let folder = tempfile::tempdir().unwrap();
     for (name, z) in [("a", 0_u16), ("b", 2), ("c", 4), ("copy", 2)] {
