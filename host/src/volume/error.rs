@@ -4,7 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::format::foreign;
+use super::format::unknown;
 use super::npy::NpyError;
 use super::nrrd::NrrdError;
 use super::{ExtentError, FileFormat, SlicesError};
@@ -54,11 +54,7 @@ pub enum ReadError {
         cause: io::Error,
     },
     /// A raw file without a layout.
-    #[error(
-        "{}: {}; a raw file does not say its extent and type: give --extent XxYxZ and --type T",
-        path.display(),
-        foreign(path)
-    )]
+    #[error("{}: {}", path.display(), unknown(path))]
     NoLayout {
         /// File in question.
         path: PathBuf,
@@ -231,6 +227,15 @@ pub enum WriteError {
         /// File in question.
         path: PathBuf,
     },
+    /// The name of a file that only compressing makes.
+    #[error(
+        "{}: files of this name are written by `wavelift compress` and `wavelift surface`: give another extension",
+        path.display()
+    )]
+    Compressed {
+        /// File in question.
+        path: PathBuf,
+    },
     /// A data set that the format cannot hold.
     #[error("{}: {} files cannot hold {what}", path.display(), format.name())]
     CannotHold {
@@ -276,6 +281,7 @@ impl WriteError {
             Self::Io { .. } => Fault::Io,
             Self::SampleBytes { .. } => Fault::Data,
             Self::NoGzip { .. }
+            | Self::Compressed { .. }
             | Self::CannotHold { .. }
             | Self::SlicesExist { .. }
             | Self::DataFileExists { .. } => Fault::Usage,
@@ -290,6 +296,7 @@ impl WriteError {
             Self::Io { cause, .. } => Self::Io { path, cause },
             Self::SampleBytes { expected, found, .. } => Self::SampleBytes { path, expected, found },
             Self::NoGzip { .. } => Self::NoGzip { path },
+            Self::Compressed { .. } => Self::Compressed { path },
             Self::CannotHold { format, what, .. } => Self::CannotHold { path, format, what },
             other @ (Self::SlicesExist { .. } | Self::DataFileExists { .. }) => other,
         }

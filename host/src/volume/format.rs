@@ -139,8 +139,8 @@ pub(super) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     extensions.iter().any(|extension| name.strip_suffix(extension).is_some_and(|stem| stem.ends_with('.')))
 }
 
-/// Why a file is of no format known here.
-pub(super) fn foreign(path: &Path) -> &'static str {
+/// What to do with a file of no format known here.
+pub(super) fn unknown(path: &Path) -> String {
     let extensions: [(&[&str], &str); 6] = [
         (&["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"], "HDF5, NetCDF and their kin are not read"),
         (&["npz"], "an archive of arrays is not read: unzip it, and give one of its .npy files"),
@@ -156,7 +156,10 @@ pub(super) fn foreign(path: &Path) -> &'static str {
         ),
     ];
     let found = extensions.iter().find(|(extensions, _)| has_extension(path, extensions));
-    found.map_or("neither the name nor the first bytes are those of a format that is read", |(_, words)| {
-        *words
-    })
+    match found {
+        Some((_, why)) => format!("{why} (if it is a raw file, give --extent XxYxZ and --type T)"),
+        None => "a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
+                 the first bytes are those of a format that is read)"
+            .to_owned(),
+    }
 }
