@@ -101,7 +101,7 @@ impl Format for Raw {
         let order = options.byte_order.unwrap_or(header.metadata.source.byte_order);
         // Raw files come back as they were; all others have given up their own order of axes with their header.
         let is_raw = header.metadata.source.format == FileFormat::Raw;
-        let axes = if is_raw { header.axes() } else { Vec::new() };
+        let axes = header.own_axes().filter(|_| is_raw).unwrap_or_default();
         let encoding = if has_extension(path, &["gz"]) { Encoding::Gzip } else { Encoding::Raw };
         let sink = StoredSink::new(file, path, header, encoding, order);
         let sink = ordered_sink(sink, path, header, &axes)?;

@@ -150,6 +150,16 @@ fn raw_files_may_have_a_header_components_steps_and_any_order() {
         again.read(&mut found).unwrap();
         assert_eq!(found, values, "{name}");
     }
+    // Other formats have x, y and z in their own order.
+    for name in ["b.nrrd", "b.npy", "b.tif", "b.nii"] {
+        let other = folder.path().join(name);
+        let mut sink = create(&other, source.header(), &WriteOptions::default()).unwrap().sink;
+        sink.write(&values).unwrap();
+        sink.finish().unwrap();
+        let mut again = open(&other, None).unwrap();
+        again.read(&mut found).unwrap();
+        assert_eq!((again.header().extent, &found), ([3, 3, 2], &values), "{name}");
+    }
     let error = open(&path, Some(&whole)).err().unwrap().to_string();
     assert!(error.contains("3x3x2 of u8 with 2 components in 3 time steps is 108 bytes"), "{error}");
     assert!(error.contains("--skip"), "{error}");
