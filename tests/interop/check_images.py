@@ -191,7 +191,11 @@ class Check:
             raise SystemExit(f"only {found} of pydicom's files are there")
         jpeg = get_testdata_file("JPEG2000.dcm", download=False)
         if jpeg:
-            self.refuse(jpeg, "j.nrrd", "JPEG 2000")
+            # Coded with loss: decoders may round the last step differently.
+            self.convert(jpeg, "j.npy")
+            apart = np.squeeze(np.load("j.npy")).astype(int) - pydicom.dcmread(jpeg).pixel_array
+            if np.abs(apart).max() > 1:
+                raise SystemExit(f"JPEG2000.dcm: {np.abs(apart).max()} apart")
 
     def dicom_written(self):
         """What is written, read by pydicom: a file a slice, and one of all frames."""

@@ -11,9 +11,7 @@ use conformance::lent;
 use conformance::streams::{Pieces, encode};
 use wavelift_host::codec::{self, Choice, CompressOptions, Container, Part};
 use wavelift_host::progress::ignore;
-use wavelift_host::volume::{
-    self, ByteOrder, ElementType, FileFormat, Metadata, RankedExtent, RawLayout, Volume,
-};
+use wavelift_host::volume::{self, ElementType, FileFormat, Metadata, RankedExtent, RawLayout, Volume};
 use wavelift_kernel::stream::RowPlan;
 use wavelift_kernel::{Codec, Extent, Plan, SampleType, Wavelet};
 
@@ -36,7 +34,7 @@ fn files(manifest: &str) -> Vec<(String, RawLayout)> {
     let layouts = volumes.map(|fields| {
         let (extent, element) =
             (fields[extent].parse().expect("an extent"), fields[element].parse().expect("a type"));
-        (fields[file].to_owned(), RawLayout { extent, element, byte_order: ByteOrder::Little })
+        (fields[file].to_owned(), RawLayout::new(extent, element))
     });
     layouts.collect()
 }

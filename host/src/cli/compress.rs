@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 use wavelift_host::codec::{self, Choice, CompressError, CompressOptions, Effort, Report, Step, Summary};
-use wavelift_host::volume::{ElementType, Header};
+use wavelift_host::volume::{ElementType, Fault, FileFormat, Header};
 use wavelift_kernel::Wavelet;
 
 use super::bound::{self, BoundArgs};
@@ -98,6 +98,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
     let mut source = open_source_for(&args.input, args.raw.layout(None)?.as_ref(), &args.output)?;
+    refuse_other_format(&args.output)?;
     let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
     let count = |values| bar.count(values);
     let options = CompressOptions { names: args.component_names.clone(), ..args.how.options() };
@@ -107,6 +108,19 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     })?;
     drop(bar);
     tell_of(&args.input, &args.output, &report, args.json)
+}
+
+/// Refuses a name that promises a format which nobody could read the file as.
+fn refuse_other_format(output: &Path) -> Result<(), Failure> {
+    let name = match FileFormat::of_path(output) {
+        FileFormat::Raw => return Ok(()),
+        other => other.name(),
+    };
+    let message = format_args!(
+        "is named as a file of {name}, but would be a compressed one: name it .wlift, or write {name} with \
+         `wavelift convert`"
+    );
+    Err(Failure::at(output, Fault::Usage, message))
 }
 
 /// How many values a data set has.

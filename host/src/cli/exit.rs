@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use wavelift_host::codec::ContainerError;
-use wavelift_host::volume::{CopyError, Fault, ReadError, WriteError, in_words};
+use wavelift_host::volume::{CopyError, Fault, FileFormat, ReadError, WriteError, in_words};
 
 use super::output::say;
 
@@ -40,6 +40,13 @@ impl Failure {
             ContainerError::Io(cause) => {
                 Self::at(path, Fault::Io, format_args!("cannot read: {}", in_words(cause)))
             }
+            ContainerError::NotAContainer if FileFormat::of_path(path) != FileFormat::Raw => Self::at(
+                path,
+                error.kind(),
+                format_args!(
+                    "{error}: `wavelift compress` makes one of it, `wavelift convert` and `preview` read it"
+                ),
+            ),
             _ => Self::at(path, error.kind(), error),
         }
     }

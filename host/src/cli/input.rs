@@ -4,27 +4,41 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::value_parser;
 use wavelift_host::codec::Container;
 use wavelift_host::volume::{
-    self, ByteOrder, ElementType, Fault, RankedExtent, RawLayout, ReadError, Source, Volume,
+    self, AxisOrder, ByteOrder, ElementType, Fault, RankedExtent, RawLayout, ReadError, Source, Volume,
 };
 use wavelift_kernel::Wavelet;
 
 use super::exit::Failure;
 
-/// How a raw file lies, which it does not say itself. NRRD and NumPy files need none of these.
+/// How a raw file lies, which it does not say itself. Other formats need none of these.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Layout of a raw file")]
 pub(crate) struct RawArgs {
-    /// Samples along x, y and z, x varying fastest: 64x64x93, 512x512, 1000
+    /// Samples along x, y and z: 64x64x93 (or 64,64,93), 512x512, 1000
     #[arg(long, value_name = "XxYxZ")]
     extent: Option<RankedExtent>,
-    /// Type of a sample
+    /// Type of a value
     #[arg(long = "type", value_name = "T", value_parser = element_names())]
     element: Option<ElementType>,
-    /// Order of the bytes of a sample in the file [default: little]
+    /// Order of the bytes of a value in the file [default: little]
     #[arg(long, value_name = "ORDER", value_parser = byte_order_names())]
     byte_order: Option<ByteOrder>,
+    /// Values of a sample, such as 3 for colours or vectors [default: 1]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..))]
+    components: Option<u32>,
+    /// Volumes that follow each other in time [default: 1]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u64).range(1..))]
+    steps: Option<u64>,
+    /// Order of the axes in the file, the one that varies fastest first, c for components and t for time: zyx for
+    /// array[x, y, z] of NumPy, xyzc for components as volumes one after another [default: cxyzt]
+    #[arg(long, value_name = "ORDER")]
+    axes: Option<AxisOrder>,
+    /// Bytes to pass over before the first value
+    #[arg(long, value_name = "BYTES")]
+    skip: Option<u64>,
 }
 
 impl RawArgs {
@@ -34,31 +48,39 @@ impl RawArgs {
     /// A usage failure for half a layout.
     pub(crate) fn layout(&self, default: Option<ElementType>) -> Result<Option<RawLayout>, Failure> {
         match (self.extent, self.element, self.element.or(default)) {
-            (Some(extent), _, Some(element)) => {
-                Ok(Some(RawLayout { extent, element, byte_order: self.byte_order.unwrap_or_default() }))
-            }
+            (Some(extent), _, Some(element)) => Ok(Some(self.over(RawLayout::new(extent, element)))),
             (Some(_), _, None) => Err(usage("--extent is given, but not --type: a raw file needs both")),
             (None, Some(_), _) => Err(usage("--type is given, but not --extent: a raw file needs both")),
-            (None, None, _) if self.byte_order.is_some() => {
-                Err(usage("--byte-order is for raw files: give --extent and --type with it, or leave it out"))
-            }
+            (None, None, _) if self.is_given() => Err(usage(
+                "--byte-order, --components, --steps, --axes and --skip are for raw files: give --extent and --type \
+                 with them, or leave them out",
+            )),
             (None, None, _) => Ok(None),
         }
     }
 
     /// The layout with `known` in place of what is not given; `None` if nothing is given.
     pub(crate) fn completed_by(&self, known: RawLayout) -> Option<RawLayout> {
-        let completed = RawLayout {
+        self.is_given().then(|| self.over(known))
+    }
+
+    fn over(&self, known: RawLayout) -> RawLayout {
+        RawLayout {
             extent: self.extent.unwrap_or(known.extent),
             element: self.element.unwrap_or(known.element),
             byte_order: self.byte_order.unwrap_or(known.byte_order),
-        };
-        self.is_given().then_some(completed)
+            components: self.components.unwrap_or(known.components),
+            steps: self.steps.unwrap_or(known.steps),
+            order: self.axes.unwrap_or(known.order),
+            skip: self.skip.unwrap_or(known.skip),
+        }
     }
 
     /// Whether any part of a layout is given.
     pub(crate) const fn is_given(&self) -> bool {
-        self.extent.is_some() || self.element.is_some() || self.byte_order.is_some()
+        let is_of_bytes = self.element.is_some() || self.byte_order.is_some() || self.skip.is_some();
+        let is_of_axes = self.extent.is_some() || self.axes.is_some();
+        is_of_bytes || is_of_axes || self.components.is_some() || self.steps.is_some()
     }
 }
 

@@ -26,8 +26,8 @@ use clap::{Parser, Subcommand};
 
 /// Compression of scientific volumes with integer wavelets: without loss, or within an error bound.
 ///
-/// A volume is a line, a slice or a brick of numbers: raw samples, NRRD (.nrrd, .nhdr) or NumPy (.npy). Extents are
-/// written x, y, z, and x varies fastest in the file.
+/// A volume is a line, a slice or a brick of integers or floating-point numbers, with any number of components and
+/// time steps. Extents are written x, y, z, and x varies fastest in the file.
 #[derive(Debug, Parser)]
 #[command(name = "wavelift", version, max_term_width = 100, after_help = AFTER_HELP)]
 struct Program {
@@ -36,8 +36,21 @@ struct Program {
 }
 
 const AFTER_HELP: &str = "\
-Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be read or written,
-130 interrupted.
+Files that are read and written, by their names:
+  .nii .nii.gz .hdr/.img   NIfTI-1 and NIfTI-2
+  .dcm, or a folder        DICOM: a series, or a file of one frame or many
+  .nrrd .nhdr              NRRD
+  .mha .mhd                MetaImage
+  .npy                     NumPy array
+  .tif .tiff               TIFF of one page or many, BigTIFF, ImageJ, OME-TIFF
+  .png .pgm .ppm .pfm      slices
+  .vti .vtk                VTK images
+  .zarr .ome.zarr          Zarr 2 and 3, OME-Zarr
+  any other                raw samples, which need --extent and --type
+  scan_%04d.tif, *.png     a file for each slice: numbers for %d or ###, anything for *, or a folder of them
+
+Exit codes: 0 all well, 2 the command line is wrong, 3 a file holds bad data, 4 a file cannot be
+read or written, 130 interrupted.
 
 `wavelift COMMAND --help` says more about each, with an example.";
 

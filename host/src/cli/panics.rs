@@ -3,7 +3,7 @@
 use std::panic;
 
 /// Crates whose panics are caught, and told as faults of the file that they read.
-const CAUGHT: [&str; 2] = ["zarrs", "bytes-"];
+const CAUGHT: [&str; 3] = ["zarrs", "bytes-", "hayro-jpeg2000"];
 
 /// Keeps the text of panics that are caught from standard error; all others are printed as ever.
 pub(crate) fn print_no_caught() {

@@ -8,7 +8,9 @@ use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
 use wavelift_host::codec::{Comparison, Container, ContainerError, DecompressOptions, Difference, Part};
-use wavelift_host::volume::{self, ElementType, Fault, Header, RankedExtent, RawLayout, ReadError, Source};
+use wavelift_host::volume::{
+    self, AxisOrder, ElementType, Fault, FileFormat, Header, RankedExtent, RawLayout, ReadError, Source,
+};
 
 use super::choice::{parse_memory, parse_threads};
 use super::convert::in_words;
@@ -191,11 +193,16 @@ const fn kind(header: &Header) -> ([u64; 3], u32, u64, ElementType) {
 /// Opens the original; as a raw file it lies as the compressed file says, but for what is given.
 fn open_original(args: &Args, path: &Path, container: &Container) -> Result<Box<dyn Source>, Failure> {
     let (head, order) = (container.head(), container.metadata().map(|metadata| metadata.source.byte_order));
+    let extent =
+        RankedExtent::new(&head.extent).map_err(|fault| Failure::at(&args.input, Fault::Data, fault))?;
+    // Only raw files come back with their axes in an order of their own.
+    let raw = container.metadata().ok().filter(|metadata| metadata.source.format == FileFormat::Raw);
     let known = RawLayout {
-        extent: RankedExtent::new(&head.extent)
-            .map_err(|fault| Failure::at(&args.input, Fault::Data, fault))?,
-        element: head.element,
         byte_order: order.unwrap_or_default(),
+        components: head.components,
+        steps: container.steps(),
+        order: raw.map(|metadata| AxisOrder::of(&metadata.axes)).unwrap_or_default(),
+        ..RawLayout::new(extent, head.element)
     };
     if let Some(layout) = args.raw.completed_by(known) {
         return open_source(path, Some(&layout));

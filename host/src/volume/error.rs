@@ -4,9 +4,10 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::format::unknown;
 use super::npy::NpyError;
 use super::nrrd::NrrdError;
-use super::{FileFormat, SlicesError};
+use super::{ExtentError, FileFormat, SlicesError};
 
 /// Whose fault an error is; the program's exit code follows from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,14 +54,18 @@ pub enum ReadError {
         cause: io::Error,
     },
     /// A raw file without a layout.
-    #[error(
-        "{}: a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
-         the first bytes are those of .nrrd, .nhdr or .npy)",
-        path.display()
-    )]
+    #[error("{}: {}", path.display(), unknown(path))]
     NoLayout {
         /// File in question.
         path: PathBuf,
+    },
+    /// A layout that no file can have.
+    #[error("{}: {cause}", path.display())]
+    Layout {
+        /// File in question.
+        path: PathBuf,
+        /// What is wrong with the layout.
+        cause: ExtentError,
     },
     /// A raw file of another length than its layout.
     #[error(
@@ -70,7 +75,7 @@ pub enum ReadError {
     LayoutMismatch {
         /// File in question.
         path: PathBuf,
-        /// Extent and type as given, `64x64x93 of u16`.
+        /// Extent, type and what else is given, `64x64x93 of u16`.
         layout: String,
         /// Bytes of that layout.
         expected: u64,
@@ -175,7 +180,10 @@ impl ReadError {
     pub const fn kind(&self) -> Fault {
         match self {
             Self::Io { .. } | Self::TooLarge { .. } => Fault::Io,
-            Self::NoLayout { .. } | Self::LayoutMismatch { .. } | Self::NotScalar { .. } => Fault::Usage,
+            Self::NoLayout { .. }
+            | Self::Layout { .. }
+            | Self::LayoutMismatch { .. }
+            | Self::NotScalar { .. } => Fault::Usage,
             Self::SampleBytes { .. }
             | Self::Gzip { .. }
             | Self::Changed { .. }
@@ -216,6 +224,15 @@ pub enum WriteError {
         path.display()
     )]
     NoGzip {
+        /// File in question.
+        path: PathBuf,
+    },
+    /// The name of a file that only compressing makes.
+    #[error(
+        "{}: files of this name are written by `wavelift compress` and `wavelift surface`: give another extension",
+        path.display()
+    )]
+    Compressed {
         /// File in question.
         path: PathBuf,
     },
@@ -264,6 +281,7 @@ impl WriteError {
             Self::Io { .. } => Fault::Io,
             Self::SampleBytes { .. } => Fault::Data,
             Self::NoGzip { .. }
+            | Self::Compressed { .. }
             | Self::CannotHold { .. }
             | Self::SlicesExist { .. }
             | Self::DataFileExists { .. } => Fault::Usage,
@@ -278,6 +296,7 @@ impl WriteError {
             Self::Io { cause, .. } => Self::Io { path, cause },
             Self::SampleBytes { expected, found, .. } => Self::SampleBytes { path, expected, found },
             Self::NoGzip { .. } => Self::NoGzip { path },
+            Self::Compressed { .. } => Self::Compressed { path },
             Self::CannotHold { format, what, .. } => Self::CannotHold { path, format, what },
             other @ (Self::SlicesExist { .. } | Self::DataFileExists { .. }) => other,
         }

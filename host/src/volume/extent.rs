@@ -76,9 +76,9 @@ impl fmt::Display for RankedExtent {
 impl FromStr for RankedExtent {
     type Err = ExtentError;
 
-    /// Reads `64x64x93`, `512x512` or `1000`: decimal numbers with `x` between them, nothing else.
+    /// Reads `64x64x93`, `512,512` or `1000`: decimal numbers with `x`, `×`, `*` or a comma between them, nothing else.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let axes = text.split(['x', 'X']).map(parse_axis).collect::<Result<Vec<u64>, _>>()?;
+        let axes = text.split(['x', 'X', '×', '*', ',']).map(parse_axis).collect::<Result<Vec<u64>, _>>()?;
         Self::new(&axes)
     }
 }
@@ -99,7 +99,7 @@ pub enum ExtentError {
         /// Number of axes given.
         found: usize,
     },
-    /// Not a decimal number between two `x`.
+    /// Not a decimal number between two signs.
     #[error("{text:?} is no number of samples: write the extent as in 64x64x93, x first")]
     NotANumber {
         /// The part in question, at most 32 characters of it.
@@ -132,6 +132,9 @@ mod tests {
         assert_eq!(parse("64x32x93"), Ok(([64, 32, 93], 3)));
         assert_eq!(parse("512X511"), Ok(([512, 511, 1], 2)));
         assert_eq!(parse("7"), Ok(([7, 1, 1], 1)));
+        for text in ["64,32,93", "64*32*93", "64×32×93"] {
+            assert_eq!(parse(text), parse("64x32x93"));
+        }
         assert_eq!(parse("7x1x1"), Ok(([7, 1, 1], 3)));
         for text in ["64x32x93", "512x511", "7", "7x1x1"] {
             assert_eq!(text.parse::<RankedExtent>().unwrap().to_string(), text);
@@ -144,7 +147,7 @@ mod tests {
         assert_eq!(RankedExtent::new(&[]), Err(ExtentError::Rank { found: 0 }));
         assert_eq!(parse("4x0x4"), Err(ExtentError::ZeroAxis { axis: 'y' }));
         for (text, part) in
-            [("", ""), ("4x", ""), ("x4", ""), ("-4x4", "-4"), ("+4", "+4"), ("4 x4", "4 "), ("4*4", "4*4")]
+            [("", ""), ("4x", ""), ("x4", ""), ("-4x4", "-4"), ("+4", "+4"), ("4 x4", "4 "), ("4/4", "4/4")]
         {
             assert_eq!(parse(text), Err(ExtentError::NotANumber { text: part.to_owned() }), "{text}");
         }

@@ -79,8 +79,10 @@ pub(super) trait Format: Sync {
         false
     }
 
-    /// What every file begins with, if there is something.
-    fn magic(&self) -> Option<&'static [u8]>;
+    /// Whether a file that begins with these bytes, some thousand if it has so many, is such a file beyond doubt.
+    fn begins(&self, _first: &[u8]) -> bool {
+        false
+    }
 
     /// Whether samples can be compressed, as [`WriteOptions::gzip`] asks, in a file of this name.
     fn compresses(&self, _path: &Path) -> bool {
@@ -127,18 +129,37 @@ pub(super) fn of_path(path: &Path) -> Option<&'static dyn Format> {
 
 /// The format that the first bytes of a file are those of.
 pub(super) fn of_first_bytes(input: &mut Input) -> Result<Option<&'static dyn Format>, ReadError> {
-    for &format in FORMATS {
-        if let Some(magic) = format.magic()
-            && input.starts_with(magic)?
-        {
-            return Ok(Some(format));
-        }
-    }
-    Ok(None)
+    let first = input.first_bytes()?;
+    Ok(FORMATS.iter().copied().find(|format| format.begins(first)))
 }
 
 /// Whether a path ends in one of these extensions, in any case; `gz` and the like may stand behind one as in `nii.gz`.
 pub(super) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     extensions.iter().any(|extension| name.strip_suffix(extension).is_some_and(|stem| stem.ends_with('.')))
+}
+
+/// What to do with a file of no format known here.
+pub(super) fn unknown(path: &Path) -> String {
+    let extensions: [(&[&str], &str); 6] = [
+        (&["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"], "HDF5, NetCDF and their kin are not read"),
+        (&["npz"], "an archive of arrays is not read: unzip it, and give one of its .npy files"),
+        (&["zip", "tar", "tgz", "7z"], "an archive is not read: unpack it first"),
+        (&["mgh", "mgz"], "FreeSurfer's format is not read: convert it with `mri_convert` to .nii.gz"),
+        (
+            &["mrc", "map", "rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif"],
+            "a file of this kind is not read",
+        ),
+        (
+            &["jpg", "jpeg", "jp2", "j2k", "jls", "jxl", "bmp", "gif", "webp"],
+            "pictures of this kind are not read: save them as .png or .tif",
+        ),
+    ];
+    let found = extensions.iter().find(|(extensions, _)| has_extension(path, extensions));
+    match found {
+        Some((_, why)) => format!("{why} (if it is a raw file, give --extent XxYxZ and --type T)"),
+        None => "a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
+                 the first bytes are those of a format that is read)"
+            .to_owned(),
+    }
 }

@@ -55,20 +55,27 @@ impl Header {
         }
     }
 
-    /// Axes of a file of this data set, fastest first: those of the source if they hold it, else those of
-    /// components, x, y, z and time in this order, as far as they are needed.
+    /// Axes of a file of this data set, fastest first: those of the source if they hold it and have x, y and z in this
+    /// order, else those of components, x, y, z and time in this order, as far as they are needed.
     pub fn axes(&self) -> Vec<Axis> {
-        let axes = &self.metadata.axes;
-        let holds = axis::components(axes) == Some(self.components)
-            && axis::steps(axes) == Some(self.steps)
-            && self.rank() == self.metadata.rank();
-        if holds {
-            return axes.clone();
+        if let Some(axes) = self.own_axes()
+            && axes.iter().filter_map(|axis| axis.space()).is_sorted()
+        {
+            return axes;
         }
         let components = (self.components != 1).then_some(Axis::Component(self.components));
         let steps = (self.steps != 1).then_some(Axis::Time(self.steps));
         let space = Axis::SPACE[..self.rank()].iter().copied();
         components.into_iter().chain(space).chain(steps).collect()
+    }
+
+    /// Axes of the source, in its order, if they hold this data set.
+    pub(super) fn own_axes(&self) -> Option<Vec<Axis>> {
+        let axes = &self.metadata.axes;
+        let holds = axis::components(axes) == Some(self.components)
+            && axis::steps(axes) == Some(self.steps)
+            && self.rank() == self.metadata.rank();
+        holds.then(|| axes.clone())
     }
 
     /// Samples along an axis.

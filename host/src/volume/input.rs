@@ -82,12 +82,15 @@ impl Input {
         Ok(())
     }
 
+    /// The bytes to come, as many as are read at once; none is consumed.
+    pub(super) fn first_bytes(&mut self) -> Result<&[u8], ReadError> {
+        let Self { reader, path, .. } = self;
+        reader.fill_buf().map_err(|cause| ReadError::Io { path: path.clone(), cause })
+    }
+
     /// Whether the bytes to come begin with `magic`; none is consumed.
     pub(super) fn starts_with(&mut self, magic: &[u8]) -> Result<bool, ReadError> {
-        match self.reader.fill_buf() {
-            Ok(bytes) => Ok(bytes.starts_with(magic)),
-            Err(cause) => Err(self.io(cause)),
-        }
+        Ok(self.first_bytes()?.starts_with(magic))
     }
 
     /// Passes over lines, each up to its newline; fewer if the file ends before.

@@ -11,6 +11,9 @@ use super::input::Input;
 use super::{ByteOrder, Found, Header, ReadError, Sink, Source, WriteError};
 use crate::atomic::AtomicFile;
 
+/// First bytes of a gzip member (RFC 1952).
+pub(super) const GZIP: &[u8] = &[0x1f, 0x8b];
+
 /// Most bytes that one byte of deflate data can stand for: two bits at least give 258 bytes at most (RFC 1951).
 const DEFLATE_EXPANSION: u64 = 4 * 258;
 

@@ -138,6 +138,9 @@ fn open_file(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>,
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
 pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
     let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
+    if format::has_extension(path, &["wlift", "wsurf"]) {
+        return Err(WriteError::Compressed { path: path.to_owned() });
+    }
     if options.gzip && !format.compresses(path) {
         return Err(WriteError::NoGzip { path: path.to_owned() });
     }

@@ -5,7 +5,7 @@ use super::synthetic::{Kind, generate};
 use super::*;
 
 fn layout(extent: &str, element: ElementType, byte_order: ByteOrder) -> RawLayout {
-    RawLayout { extent: extent.parse().unwrap(), element, byte_order }
+    RawLayout { byte_order, ..RawLayout::new(extent.parse().unwrap(), element) }
 }
 
 fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
@@ -54,8 +54,8 @@ fn a_layout_that_does_not_fit_says_what_to_check() {
     );
     assert_eq!(
         message("5x2", ElementType::U16),
-        "5x2 of u16 is 20 bytes, the file has 24: check --extent and --type, and whether a header stands before the \
-         samples"
+        "5x2 of u16 is 20 bytes, the file has 24: check --extent and --type; --skip passes over a header, --components \
+         and --steps take more values a sample and more volumes"
     );
     assert_eq!(
         message("100", ElementType::U8),
@@ -89,6 +89,83 @@ fn files_are_known_by_name_then_by_their_first_bytes() {
     let error = read(Path::new("/"), None).unwrap_err();
     assert_eq!(error.kind(), Fault::Data);
     assert!(error.to_string().starts_with("/: there are no slices"), "{error}");
+}
+
+#[test]
+fn other_names_hide_no_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = generate(Kind::Waves, [5, 4, 3], ElementType::I16, 1);
+    for (name, format) in [
+        ("a.nrrd", FileFormat::Nrrd),
+        ("a.npy", FileFormat::Npy),
+        ("a.mha", FileFormat::MetaImage),
+        ("a.nii", FileFormat::Nifti),
+        ("a.nii.gz", FileFormat::Nifti),
+        ("a.tif", FileFormat::Tiff),
+        ("a.dcm", FileFormat::Dicom),
+        ("a.vtk", FileFormat::VtkLegacy),
+        ("a.vti", FileFormat::VtkXml),
+    ] {
+        let [named, unnamed] = [name, "scan"].map(|name| folder.path().join(name));
+        write(&volume, &named, &WriteOptions::default()).unwrap();
+        fs::rename(&named, &unnamed).unwrap();
+        let found = read(&unnamed, None).unwrap();
+        assert_eq!((found.metadata.source.format, found.samples), (format, volume.samples.clone()), "{name}");
+    }
+    let told = |name: &str| {
+        let (_folder, path) = file(name, b"ab");
+        read(&path, None).unwrap_err().to_string()
+    };
+    assert!(told("a.mgz").contains("mri_convert") && told("a.npz").contains("unzip"));
+    assert!(told("a.bin").contains("neither the name nor the first bytes"));
+}
+
+#[test]
+fn raw_files_may_have_a_header_components_steps_and_any_order() {
+    // A value tells its place: c + 2 x + 6 y + 18 z + 36 t.
+    let values: Vec<u8> = (0..108).collect();
+    let whole = RawLayout { components: 2, steps: 3, ..layout("3x3x2", ElementType::U8, ByteOrder::Little) };
+    let order: AxisOrder = "ztyxc".parse().unwrap();
+    let mut turned = vec![0; 108];
+    for place in 0..108_usize {
+        let (c, x, y, z, t) = (place % 2, place / 2 % 3, place / 6 % 3, place / 18 % 2, place / 36);
+        turned[z + 2 * t + 6 * y + 18 * x + 54 * c] = place as u8;
+    }
+    let layout = RawLayout { order, skip: 7, ..whole };
+    let (folder, path) = file("a.raw", &[b"header ", &turned[..]].concat());
+    let mut source = open(&path, Some(&layout)).unwrap();
+    let mut found = vec![0; 108];
+    source.read(&mut found).unwrap();
+    assert_eq!((source.header().components, source.header().steps), (2, 3));
+    assert_eq!(found, values);
+    // Back in the order it had, and packed where the name says so.
+    for name in ["b.raw", "b.raw.gz"] {
+        let back = folder.path().join(name);
+        let mut sink = create(&back, source.header(), &WriteOptions::default()).unwrap().sink;
+        sink.write(&found).unwrap();
+        sink.finish().unwrap();
+        let bytes = fs::read(&back).unwrap();
+        assert_eq!(bytes == turned, name == "b.raw");
+        let mut again = open(&back, Some(&RawLayout { skip: 0, ..layout })).unwrap();
+        again.read(&mut found).unwrap();
+        assert_eq!(found, values, "{name}");
+    }
+    // Other formats have x, y and z in their own order.
+    for name in ["b.nrrd", "b.npy", "b.tif", "b.nii"] {
+        let other = folder.path().join(name);
+        let mut sink = create(&other, source.header(), &WriteOptions::default()).unwrap().sink;
+        sink.write(&values).unwrap();
+        sink.finish().unwrap();
+        let mut again = open(&other, None).unwrap();
+        again.read(&mut found).unwrap();
+        assert_eq!((again.header().extent, &found), ([3, 3, 2], &values), "{name}");
+    }
+    let error = open(&path, Some(&whole)).err().unwrap().to_string();
+    assert!(error.contains("3x3x2 of u8 with 2 components in 3 time steps is 108 bytes"), "{error}");
+    assert!(error.contains("--skip"), "{error}");
+    for wrong in [RawLayout { components: 0, ..whole }, RawLayout { steps: u64::MAX, ..whole }] {
+        assert_eq!(open(&path, Some(&wrong)).err().unwrap().kind(), Fault::Usage);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use wavelift_host::volume::{self, ByteOrder, RankedExtent, RawLayout, Volume};
+use wavelift_host::volume::{self, RankedExtent, RawLayout, Volume};
 
 /// A raw file, little-endian.
 #[derive(Deserialize)]
@@ -34,7 +34,7 @@ impl Listed {
     pub(crate) fn volume(&self) -> Result<Volume, Box<dyn Error>> {
         let [x, y, z] = self.extent;
         let extent: RankedExtent = format!("{x}x{y}x{z}").parse()?;
-        let layout = RawLayout { extent, element: self.element.parse()?, byte_order: ByteOrder::Little };
+        let layout = RawLayout::new(extent, self.element.parse()?);
         Ok(volume::read(&self.path, Some(&layout))?)
     }
 }

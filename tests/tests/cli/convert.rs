@@ -118,6 +118,9 @@ fn the_samples_of_the_input_are_not_overwritten() {
     }
     folder.run("compress a.nhdr a.nhdr").fails(2, &["is the input as well"]);
     folder.run("convert s_%02d.png s_%02d.png").fails(2, &["there already"]);
+    // Nor is anything written under the name of a format that it is not.
+    folder.run("compress a.nhdr new.nrrd").fails(2, &["new.nrrd: is named", "NRRD"]);
+    folder.run("convert a.nhdr new.wlift").fails(2, &["new.wlift", "`wavelift compress`"]);
     assert!(folder.everything() == before);
     folder.run("convert a.nhdr c.zarr").ok();
     folder.run("convert c.zarr c.zarr").fails(2, &["would overwrite"]);

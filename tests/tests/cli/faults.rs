@@ -60,7 +60,7 @@ fn wrong_words_are_told() {
     refuse(
         &folder(),
         &[
-            ("compress in.raw OUT --type u16 --extent 9,7,5", 2, &["9,7,5", "--extent"]),
+            ("compress in.raw OUT --type u16 --extent 9;7;5", 2, &["9;7;5", "--extent"]),
             ("compress in.raw OUT --type u16 --extent 9x7x", 2, &["9x7x", "--extent"]),
             ("compress in.raw OUT --type u16 --extent 9x-7x5", 2, &["-7", "--extent"]),
             ("compress in.raw OUT --type u16 --extent 9x0x5", 2, &["axis y", "--extent"]),

@@ -21,26 +21,29 @@ fn prepared() -> (Folder, Command) {
     (folder, command)
 }
 
+/// Kills runs at moments from their beginning to their end; `WAVELIFT_KILLS` sets at how many, without an old file and with
+/// one.
 #[test]
 fn a_killed_run_leaves_the_old_file_or_the_new_one() {
+    let moments: u32 = std::env::var("WAVELIFT_KILLS").map_or(8, |kills| kills.parse().expect("a number"));
     let (folder, mut command) = prepared();
     let start = Instant::now();
     assert!(command.status().unwrap().success());
     let duration = start.elapsed();
     let whole = folder.read("a.wlift");
     for old in [None, Some(b"old".to_vec())] {
-        for eighths in 0..8 {
+        for moment in 0..moments {
             let _ = std::fs::remove_file(folder.path("a.wlift"));
             old.iter().for_each(|bytes| folder.write("a.wlift", bytes));
             let mut child = command.spawn().unwrap();
-            sleep(duration * eighths / 8 + Duration::from_millis(1));
+            sleep(duration * moment / moments + Duration::from_millis(1));
             child.kill().unwrap();
             child.wait().unwrap();
             let found = std::fs::read(folder.path("a.wlift")).ok();
             let as_expected = found == old || found.as_ref() == Some(&whole);
             assert!(
                 as_expected,
-                "{} bytes after {eighths}/8 of the time",
+                "{} bytes after {moment}/{moments} of the time",
                 found.map_or(0, |bytes| bytes.len())
             );
         }

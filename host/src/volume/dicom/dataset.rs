@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 use std::io::{BufRead, Read};
 
-use super::DicomError;
+use super::series::{ORIENTATION, RESCALE};
+use super::{DicomError, POSITION};
 use crate::volume::ByteOrder;
 use crate::volume::input::Input;
 
@@ -30,7 +31,11 @@ const PIXELS: Tag = 0x7FE0_0010;
 const FLOATS: Tag = 0x7FE0_0008;
 const DOUBLES: Tag = 0x7FE0_0009;
 const TRANSFER_SYNTAX: Tag = 0x0002_0010;
-const FRAME_GROUPS: [Tag; 2] = [0x5200_9229, 0x5200_9230];
+pub(super) const SHARED: Tag = 0x5200_9229;
+pub(super) const PER_FRAME: Tag = 0x5200_9230;
+
+/// What may differ from frame to frame, and is kept of each.
+const OF_FRAMES: [Tag; 4] = [POSITION, ORIENTATION, RESCALE[0], RESCALE[1]];
 
 /// How the elements behind the first group, and pixels, are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +54,8 @@ pub(super) enum Packing {
     Rle,
     /// Baseline, extended or lossless.
     Jpeg,
+    /// Without loss or with.
+    Jpeg2000,
 }
 
 impl Syntax {
@@ -60,9 +67,10 @@ impl Syntax {
             ".2" => return Ok(Self { byte_order: ByteOrder::Big, ..plain }),
             ".5" => return Ok(Self { packing: Packing::Rle, ..plain }),
             ".4.50" | ".4.51" | ".4.57" | ".4.70" => return Ok(Self { packing: Packing::Jpeg, ..plain }),
+            ".4.90" | ".4.91" => return Ok(Self { packing: Packing::Jpeg2000, ..plain }),
             ".1.99" => "deflate",
             ".4.80" | ".4.81" => "JPEG-LS",
-            ".4.90" | ".4.91" | ".4.92" | ".4.93" => "JPEG 2000",
+            ".4.92" | ".4.93" => "JPEG 2000 of several components",
             ".4.201" | ".4.202" | ".4.203" => "High-Throughput JPEG 2000",
             rest if rest.starts_with(".4.11") => "JPEG XL",
             rest if rest.starts_with(".4.10") => "video",
@@ -94,9 +102,10 @@ pub(super) enum Pixels {
 pub(super) struct DataSet {
     pub(super) syntax: Syntax,
     pub(super) elements: BTreeMap<Tag, Value>,
-    /// Elements of the functional groups that hold for all frames or the first, and all positions of frames.
+    /// Elements of the functional groups that hold for all frames or the first.
     pub(super) shared: BTreeMap<Tag, Value>,
-    pub(super) positions: Vec<Value>,
+    /// Some elements of each frame.
+    of_frames: BTreeMap<Tag, Vec<Value>>,
     pub(super) pixels: Pixels,
 }
 
@@ -114,7 +123,7 @@ impl DataSet {
             syntax,
             set: BTreeMap::new(),
             shared: BTreeMap::new(),
-            positions: vec![],
+            of_frames: BTreeMap::new(),
             kept: 0,
         };
         reader.meta()?;
@@ -122,13 +131,18 @@ impl DataSet {
             reader.set.get(&TRANSFER_SYNTAX).ok_or(DicomError::Damaged { what: "the transfer syntax" })?;
         reader.syntax = Syntax::of(&text(&uid.bytes))?;
         let pixels = reader.elements(None, 0, None)?.ok_or(DicomError::NoPixels)?;
-        let Reader { syntax, set, shared, positions, .. } = reader;
-        Ok(Self { syntax, elements: set, shared, positions, pixels })
+        let Reader { syntax, set, shared, of_frames, .. } = reader;
+        Ok(Self { syntax, elements: set, shared, of_frames, pixels })
     }
 
     /// Value of an element of the file, or of what holds for its frames.
-    fn value(&self, tag: Tag) -> Option<&Value> {
+    pub(super) fn value(&self, tag: Tag) -> Option<&Value> {
         self.elements.get(&tag).or_else(|| self.shared.get(&tag))
+    }
+
+    /// The value of each of so many frames, if each has one.
+    pub(super) fn of_frames(&self, tag: Tag, count: u64) -> Option<&[Value]> {
+        self.of_frames.get(&tag).map(Vec::as_slice).filter(|values| values.len() as u64 == count)
     }
 
     /// An unsigned number of 16 bits.
@@ -170,7 +184,7 @@ struct Reader<'a> {
     syntax: Syntax,
     set: BTreeMap<Tag, Value>,
     shared: BTreeMap<Tag, Value>,
-    positions: Vec<Value>,
+    of_frames: BTreeMap<Tag, Vec<Value>>,
     kept: u64,
 }
 
@@ -319,7 +333,7 @@ impl Reader<'_> {
         if self.input.left().is_some_and(|left| left < length) {
             return Err(damaged);
         }
-        let is_of_frames = root.is_some_and(|root| FRAME_GROUPS.contains(&root));
+        let is_of_frames = root.is_some_and(|root| [SHARED, PER_FRAME].contains(&root));
         let is_kept =
             (root.is_none() || is_of_frames) && length <= VALUE_BYTES && self.kept + length <= ALL_BYTES;
         if !is_kept {
@@ -334,11 +348,12 @@ impl Reader<'_> {
         let value = Value { vr, bytes };
         if root.is_none() {
             self.set.insert(tag, value);
-        } else if tag == super::POSITION {
-            self.positions.push(value);
-        } else {
-            self.shared.entry(tag).or_insert(value);
+            return Ok(());
         }
+        if root == Some(PER_FRAME) && OF_FRAMES.contains(&tag) {
+            self.of_frames.entry(tag).or_default().push(value.clone());
+        }
+        self.shared.entry(tag).or_insert(value);
         Ok(())
     }
 

@@ -1,11 +1,12 @@
 //! Data elements to be written: implicit representation, little-endian.
 //!
 //! Source: DICOM PS3.5, sections 6.2 (padding), 7.1.3 (implicit representation), 7.5 (sequences) and B.2 (identifiers made
-//! of random numbers); PS3.10, section 7.1 (the first group). Of a text without its representation nobody needs to know
+//! of numbers of 128 bits); PS3.10, section 7.1 (the first group). Of a text without its representation nobody needs to know
 //! which kind it is, so that elements go on that this program has never heard of.
 
 use std::collections::BTreeMap;
-use std::hash::{BuildHasher, Hasher, RandomState};
+
+use hmac_sha256::Hash;
 
 use super::dataset::{ITEM, SEQUENCE_END, Tag, UNDEFINED};
 
@@ -36,9 +37,14 @@ impl Elements {
         self.bytes(tag, bytes);
     }
 
+    /// Whether there is such an element.
+    pub(super) fn has(&self, tag: Tag) -> bool {
+        self.0.contains_key(&tag)
+    }
+
     /// Sets a text, unless there is one.
     pub(super) fn supply(&mut self, tag: Tag, value: &str) {
-        if !self.0.contains_key(&tag) {
+        if !self.has(tag) {
             self.text(tag, value);
         }
     }
@@ -128,12 +134,19 @@ pub(super) fn beginning(class: &str, instance: &str) -> Vec<u8> {
     bytes
 }
 
-/// An identifier that nothing else has.
-pub(super) fn new_uid() -> String {
-    let half = || u128::from(RandomState::new().build_hasher().finish());
-    // Version and variant of a random UUID.
-    let random = (half() << 64 | half()) & !(0xF << 76 | 0x3 << 62) | 4 << 76 | 2 << 62;
-    format!("2.25.{random}")
+/// An identifier made of what it stands for, so that equal contents have equal ones and others have others. All have the
+/// same length.
+pub(super) fn uid_of(parts: &[&[u8]]) -> String {
+    let mut hash = Hash::new();
+    for part in parts {
+        hash.update((part.len() as u64).to_le_bytes());
+        hash.update(part);
+    }
+    let digest = hash.finalize();
+    let number = digest[..16].iter().fold(0, |number: u128, byte| number << 8 | u128::from(*byte));
+    // Version and variant of a UUID of one's own making (RFC 9562, 5.8), and as many digits for each.
+    let number = number & !(0xF << 76 | 0x3 << 62) | 8 << 76 | 2 << 62 | 1 << 127;
+    format!("2.25.{number}")
 }
 
 /// A number in at most sixteen letters, as decimal texts are.
@@ -172,10 +185,10 @@ mod tests {
     }
 
     #[test]
-    fn identifiers_are_of_random_numbers() {
-        let [one, other] = [new_uid(), new_uid()];
-        assert!(one != other && is_uid(&one) && one.len() <= 64, "{one} {other}");
+    fn identifiers_follow_from_what_they_stand_for() {
+        let [one, again, other] = [uid_of(&[b"ab", b"c"]), uid_of(&[b"ab", b"c"]), uid_of(&[b"a", b"bc"])];
+        assert!(one == again && one != other && is_uid(&one) && one.len() == 44, "{one} {other}");
         let number: u128 = one.strip_prefix("2.25.").unwrap().parse().unwrap();
-        assert_eq!((number >> 76 & 0xF, number >> 62 & 3), (4, 2));
+        assert_eq!((number >> 76 & 0xF, number >> 62 & 3), (8, 2));
     }
 }

@@ -6,9 +6,9 @@ use super::DicomError;
 use super::dataset::{DataSet, Packing, Pixels};
 use crate::volume::element::reorder;
 use crate::volume::input::Input;
-use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
+use crate::volume::{jpeg, jpeg2000};
 
 pub(super) const SAMPLES: u32 = 0x0028_0002;
 pub(super) const PHOTOMETRIC: u32 = 0x0028_0004;
@@ -38,6 +38,8 @@ pub(super) struct Layout {
     /// Bytes that lie in words of the other order.
     is_swapped: bool,
     packing: Packing,
+    /// Whether eight values share a byte, the first in its lowest bit, and frames follow each other within bytes.
+    is_bits: bool,
     /// Whether colours are red, green and blue.
     is_rgb: bool,
     pixels: Pixels,
@@ -64,7 +66,7 @@ impl Layout {
         let element = match (float_bits, allocated, is_signed) {
             (32, 32, _) => ElementType::F32,
             (64, 64, _) => ElementType::F64,
-            (0, 8, false) => ElementType::U8,
+            (0, 1 | 8, false) => ElementType::U8,
             (0, 8, true) => ElementType::I8,
             (0, 16, false) => ElementType::U16,
             (0, 16, true) => ElementType::I16,
@@ -81,6 +83,7 @@ impl Layout {
             if float_bits == 0 { [stored, high_bit] } else { [allocated, allocated - 1] };
         let byte_order = set.syntax.byte_order;
         let is_words = matches!(set.pixels, Pixels::Native { vr, .. } if &vr == b"OW");
+        let is_bits = allocated == 1;
         let layout = Self {
             columns,
             rows,
@@ -92,6 +95,7 @@ impl Layout {
             high_bit,
             byte_order,
             packing: set.syntax.packing,
+            is_bits,
             is_rgb: set.text(PHOTOMETRIC).is_some_and(|name| name == "RGB"),
             is_swapped: byte_order == ByteOrder::Big && allocated == 8 && is_words,
             pixels: set.pixels.clone(),
@@ -107,16 +111,18 @@ impl Layout {
 
     /// Whether pixels are as many as frames need, as far as lengths tell.
     fn check(&self) -> Result<(), DicomError> {
-        let expected = self.bytes().saturating_mul(self.frames);
+        let values = self.bytes().saturating_mul(self.frames);
+        let expected = if self.is_bits { values.div_ceil(8) } else { values };
         match &self.pixels {
             // A byte may follow to make the length even.
             Pixels::Native { bytes, .. } if *bytes < expected || *bytes > expected.saturating_add(1) => {
                 Err(DicomError::PixelBytes { found: *bytes, expected })
             }
             Pixels::Native { .. } if self.packing == Packing::None => Ok(()),
-            Pixels::Frames(frames) if self.packing != Packing::None => {
+            Pixels::Frames(frames) if self.packing != Packing::None && !self.is_bits => {
                 // A single frame of JPEG may come in several parts.
-                let is_in_parts = self.packing == Packing::Jpeg && self.frames == 1 && !frames.is_empty();
+                let is_jpeg = matches!(self.packing, Packing::Jpeg | Packing::Jpeg2000);
+                let is_in_parts = is_jpeg && self.frames == 1 && !frames.is_empty();
                 match frames.len() as u64 == self.frames || is_in_parts {
                     true => Ok(()),
                     false => Err(DicomError::Frames { found: frames.len() as u64, expected: self.frames }),
@@ -135,6 +141,16 @@ impl Layout {
     pub(super) fn read(&self, input: &mut Input, frame: u64, out: &mut [u8]) -> Result<(), DicomError> {
         let damaged = || DicomError::Damaged { what: "a frame" };
         match &self.pixels {
+            Pixels::Native { start, .. } if self.is_bits => {
+                let first = frame * self.bytes();
+                let end = first + out.len() as u64;
+                input.seek(start + first / 8).map_err(|_| damaged())?;
+                let mut stored = vec![0; (end.div_ceil(8) - first / 8) as usize];
+                input.read_exact(&mut stored).map_err(|_| damaged())?;
+                let bits = stored.iter().flat_map(|byte| (0..8).map(move |bit| byte >> bit & 1));
+                out.iter_mut().zip(bits.skip((first % 8) as usize)).for_each(|(value, bit)| *value = bit);
+                return Ok(());
+            }
             Pixels::Native { start, .. } => {
                 let at = start + frame * self.bytes();
                 // Words of two bytes may begin in the frame before.
@@ -168,6 +184,7 @@ impl Layout {
                 }
                 match self.packing {
                     Packing::Jpeg => out.copy_from_slice(&self.decode(&stored)?),
+                    Packing::Jpeg2000 => out.copy_from_slice(&self.decode_2000(&stored)?),
                     _ => self.unpack(&stored, out).ok_or_else(damaged)?,
                 }
             }
@@ -197,6 +214,17 @@ impl Layout {
             is_rgb: Some(self.is_rgb),
         };
         jpeg::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
+    }
+
+    /// A frame of JPEG 2000.
+    fn decode_2000(&self, stored: &[u8]) -> Result<Vec<u8>, DicomError> {
+        let expected = jpeg2000::Expected {
+            width: self.columns.into(),
+            height: self.rows.into(),
+            components: self.samples.into(),
+            bytes: self.element.bytes(),
+        };
+        jpeg2000::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
     }
 
     /// A frame of run lengths: a segment for each byte of a value, the most significant one first.

@@ -43,7 +43,8 @@ pub enum DicomError {
     NoPixels,
     /// A transfer syntax that is not read.
     #[error(
-        "the transfer syntax {uid} ({name}) is not read: decompress it with `gdcmconv --raw`, or `dcmdjpls` for JPEG-LS"
+        "the transfer syntax {uid} ({name}) is not read: decompress it with `{}`",
+        if *name == "JPEG-LS" { "dcmdjpls" } else { "gdcmconv --raw" }
     )]
     Syntax {
         /// Its identifier.
@@ -93,7 +94,9 @@ pub enum DicomError {
     #[error("there is no DICOM file with pixels of this name, in this folder or series")]
     NoFiles,
     /// A file unlike the first.
-    #[error("{file:?} has {found}, {first:?} has {expected}: they make no volume")]
+    #[error(
+        "{file:?} has {found}, {first:?} has {expected}: they make no volume; move one of them elsewhere"
+    )]
     Differs {
         /// The file.
         file: String,
@@ -103,6 +106,21 @@ pub enum DicomError {
         first: String,
         /// What that one has.
         expected: String,
+    },
+    /// Slices in the same place, but not as many in each.
+    #[error(
+        "{before:?} and {after:?} are {found} mm apart, others {usual} mm: a copy, or a time step or echo that does not \
+         have all slices; move it elsewhere"
+    )]
+    Crowded {
+        /// A file.
+        before: String,
+        /// The one behind it.
+        after: String,
+        /// Their distance.
+        found: String,
+        /// The distance of most.
+        usual: String,
     },
     /// Slices that do not follow each other.
     #[error("a slice is missing: {before:?} and {after:?} are {found} mm apart, others {usual} mm")]
@@ -136,8 +154,8 @@ impl Format for Dicom {
         true
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        None
+    fn begins(&self, first: &[u8]) -> bool {
+        first.get(128..132) == Some(b"DICM".as_slice())
     }
 
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {

@@ -17,6 +17,8 @@ pub(super) const ORIENTATION: Tag = 0x0020_0037;
 pub(super) const PIXEL_SPACING: Tag = 0x0028_0030;
 pub(super) const THICKNESS: Tag = 0x0018_0050;
 const SLICE_SPACING: Tag = 0x0018_0088;
+/// Of planes of dose from the first one, along the normal (Grid Frame Offset Vector).
+const FRAME_OFFSETS: Tag = 0x3004_000C;
 /// Intercept and slope: a value for each file where they differ.
 pub(super) const RESCALE: [Tag; 2] = [0x0028_1052, 0x0028_1053];
 
@@ -57,11 +59,18 @@ pub(super) fn one_of(sets: Files, uid: Option<&str>) -> Result<Files, DicomError
     series.into_values().next().ok_or(DicomError::NoFiles)
 }
 
-/// A file in its place.
-struct Part {
+/// One of the files.
+struct File {
     path: PathBuf,
     set: DataSet,
     layout: Layout,
+}
+
+/// A slice in its place: a frame of a file.
+#[derive(Clone, Copy)]
+struct Part {
+    file: usize,
+    frame: u64,
     /// Where it is along the normal of slices, if it is known.
     at: Option<f64>,
     number: i64,
@@ -69,6 +78,7 @@ struct Part {
 
 /// Files or frames as slices of a volume.
 pub(super) struct Series {
+    files: Vec<File>,
     parts: Vec<Part>,
     slices: u64,
     steps: u64,
@@ -77,67 +87,83 @@ pub(super) struct Series {
 }
 
 impl Series {
-    /// Puts files in order: along the normal of slices, then by number.
-    pub(super) fn of(sets: Files) -> Result<Self, DicomError> {
-        let axes = sets.first().and_then(|(_, set)| axes(set));
-        let mut parts = Vec::new();
+    /// Puts files, or the frames of the only one, in order: along the normal of slices, then by number.
+    pub(super) fn of(mut sets: Files) -> Result<Self, DicomError> {
+        sets.sort_by(|(one, _), (other, _)| one.cmp(other));
+        let mut files = Vec::new();
         for (path, set) in sets {
             let layout = Layout::of(&set)?;
-            let at = axes.zip(position(&set, 0)).map(|([_, _, normal], place)| dot(normal, place));
-            let number = set.text(INSTANCE).and_then(|text| text.parse().ok()).unwrap_or(0);
-            parts.push(Part { path, set, layout, at, number });
+            files.push(File { path, set, layout });
         }
-        let is_placed = parts.iter().all(|part| part.at.is_some());
-        parts.sort_by(|one, other| {
-            let along = if is_placed { one.at.partial_cmp(&other.at) } else { None };
-            along
-                .unwrap_or(std::cmp::Ordering::Equal)
-                .then(one.number.cmp(&other.number))
-                .then(one.path.cmp(&other.path))
-        });
-        let mut series = Self { slices: parts.len() as u64, steps: 1, parts, axes };
+        let axes = files.first().and_then(|file| axes(&file.set));
+        let mut series = Self { files, parts: Vec::new(), slices: 0, steps: 1, axes };
         series.check_alike()?;
-        if series.parts.len() == 1 {
-            series.slices = series.parts[0].layout.frames;
-        } else if is_placed {
-            series.find_steps();
-            series.check_gaps()?;
+        series.parts = series.unordered();
+        series.slices = series.parts.len() as u64;
+        if series.parts.len() == 1 || series.parts.iter().any(|part| part.at.is_none()) {
+            series.parts.sort_by_key(|part| part.number);
+            return Ok(series);
         }
-        Ok(series)
+        series.parts.sort_by(|one, other| {
+            let along = one.at.partial_cmp(&other.at).unwrap_or(std::cmp::Ordering::Equal);
+            along.then(one.number.cmp(&other.number))
+        });
+        series.find_steps();
+        let gaps = series.check_gaps();
+        if gaps.is_err() && series.files.len() == 1 {
+            // Frames that make no grid stay as they follow each other, and nowhere.
+            series.parts = series.unordered();
+            (series.slices, series.steps, series.axes) = (series.parts.len() as u64, 1, None);
+            return Ok(series);
+        }
+        gaps.map(|()| series)
     }
 
-    fn name(&self, index: usize) -> String {
-        self.parts[index].path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    /// Files in the order of their names, or the frames of the only one.
+    fn unordered(&self) -> Vec<Part> {
+        let mut parts = Vec::new();
+        for (index, file) in self.files.iter().enumerate() {
+            let number = file.set.text(INSTANCE).and_then(|text| text.parse().ok()).unwrap_or(0);
+            let is_turned = turns(&file.set, file.layout.frames);
+            parts.extend((0..file.layout.frames).map(|frame| {
+                let normal = self.axes.map(|[_, _, normal]| normal).filter(|_| !is_turned);
+                let place = position(&file.set, file.layout.frames, frame, normal);
+                let at = normal.zip(place).map(|(normal, place)| dot(normal, place));
+                Part { file: index, frame, at, number }
+            }));
+        }
+        parts
+    }
+
+    fn name(&self, file: usize) -> String {
+        self.files[file].path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     fn check_alike(&self) -> Result<(), DicomError> {
-        let shape = |part: &Part| match self.parts.len() > 1 && part.layout.frames > 1 {
-            true => format!("{} in {} frames", part.layout.shape(), part.layout.frames),
-            false => part.layout.shape(),
+        let is_alone = self.files.len() == 1;
+        let shape = |file: &File| match !is_alone && file.layout.frames > 1 {
+            true => format!("{} in {} frames", file.layout.shape(), file.layout.frames),
+            false => file.layout.shape(),
         };
-        let turned = |part: &Part| part.set.text(ORIENTATION).unwrap_or_default();
-        let first = &self.parts[0];
-        for (index, part) in self.parts.iter().enumerate() {
+        let turned = |file: &File| file.set.text(ORIENTATION).unwrap_or_default();
+        let Some(first) = self.files.first() else { return Err(DicomError::NoFiles) };
+        for (index, file) in self.files.iter().enumerate() {
             let differs = |found: String, expected: String| DicomError::Differs {
                 file: self.name(index),
                 found,
                 first: self.name(0),
                 expected,
             };
-            if self.parts.len() > 1 && part.layout.frames > 1 {
-                return Err(differs(
-                    shape(part),
-                    "to be alone: give one file of many frames at a time".to_owned(),
-                ));
+            if !is_alone && file.layout.frames > 1 {
+                let alone = "to be alone: give one file of many frames at a time".to_owned();
+                return Err(differs(shape(file), alone));
             }
-            if shape(part) != shape(first) {
-                return Err(differs(shape(part), shape(first)));
+            if shape(file) != shape(first) {
+                return Err(differs(shape(file), shape(first)));
             }
-            let is_turned = decimals_of(&turned(part)).zip(decimals_of(&turned(first)));
-            if is_turned.is_some_and(|(one, other)| {
-                one.iter().zip(&other).any(|(one, other)| (one - other).abs() > 1e-3)
-            }) {
-                return Err(differs(format!("orientation {}", turned(part)), turned(first)));
+            let is_turned = decimals_of(&turned(file)).zip(decimals_of(&turned(first)));
+            if is_turned.is_some_and(|(one, other)| are_apart(&one, &other)) {
+                return Err(differs(format!("orientation {}", turned(file)), turned(first)));
             }
         }
         Ok(())
@@ -158,8 +184,7 @@ impl Series {
         }
         let mut order: Vec<usize> = (0..self.parts.len()).collect();
         order.sort_by_key(|index| (index % steps, index / steps));
-        let mut parts: Vec<Option<Part>> = std::mem::take(&mut self.parts).into_iter().map(Some).collect();
-        self.parts = order.into_iter().filter_map(|index| parts[index].take()).collect();
+        self.parts = order.into_iter().map(|index| self.parts[index]).collect();
         self.slices = groups.len() as u64;
         self.steps = steps as u64;
     }
@@ -174,50 +199,54 @@ impl Series {
         let distances = self.distances();
         let mut sorted = distances.clone();
         sorted.sort_by(f64::total_cmp);
-        let Some(&usual) = sorted.get(sorted.len().saturating_sub(1) / 2) else { return Ok(()) };
+        if sorted.is_empty() {
+            return Ok(());
+        }
+        // Where many lie in the same place, the usual distance is that of the others.
+        let usual = usual_of(&sorted);
         match distances.iter().position(|distance| *distance > usual * 1.5 || *distance < usual * 0.5) {
-            Some(at) => Err(DicomError::Gap {
-                before: self.name(at),
-                after: self.name(at + 1),
-                found: format!("{:.4}", distances[at]),
-                usual: format!("{usual:.4}"),
-            }),
+            Some(at) => {
+                let [before, after] = [at, at + 1].map(|part| self.name(self.parts[part].file));
+                let [found, usual] = [distances[at], usual].map(|distance| format!("{distance:.4}"));
+                Err(match distances[at] < usual_of(&sorted) * 0.5 {
+                    true => DicomError::Crowded { before, after, found, usual },
+                    false => DicomError::Gap { before, after, found, usual },
+                })
+            }
             None => Ok(()),
         }
     }
 
     /// The file of plane `index`, and the frame in it.
     pub(super) fn place(&self, index: u64) -> (usize, u64) {
-        if self.parts.len() == 1 { (0, index) } else { (index as usize, 0) }
+        let part = self.parts[index as usize];
+        (part.file, part.frame)
     }
 
-    /// All files, in their order.
+    /// All files.
     pub(super) fn files(&self) -> Vec<PathBuf> {
-        self.parts.iter().map(|part| part.path.clone()).collect()
+        self.files.iter().map(|file| file.path.clone()).collect()
     }
 
     pub(super) fn path(&self, file: usize) -> &Path {
-        &self.parts[file].path
+        &self.files[file].path
     }
 
     pub(super) fn layout(&self, file: usize) -> &Layout {
-        &self.parts[file].layout
+        &self.files[file].layout
     }
 
     pub(super) fn header(&self) -> Header {
-        let Part { layout, set, .. } = &self.parts[0];
+        let File { layout, set, .. } = &self.files[self.parts[0].file];
         // Where it is known where a slice lies, it has a third axis.
         let geometry = self.geometry();
-        let is_slice = self.slices == 1 && self.steps == 1 && geometry.is_empty();
+        let is_slice = self.is_slice() && geometry.len() < 2;
         let mut metadata = Metadata::plain(if is_slice { 2 } else { 3 }, FileFormat::Dicom);
         metadata.source.byte_order =
             if layout.element.bytes() > 1 { layout.byte_order } else { ByteOrder::Little };
         metadata.lines = geometry;
         metadata.lines.extend(set.elements.iter().filter_map(|(tag, value)| self.line(*tag, value)));
-        for tag in RESCALE {
-            let shared = set.shared.get(&tag).filter(|_| !set.elements.contains_key(&tag));
-            metadata.lines.extend(shared.map(|value| pair(tag, text(&value.bytes))));
-        }
+        metadata.lines.extend(RESCALE.into_iter().filter_map(|tag| self.rescale_of_frames(tag)));
         let extent = [layout.columns.into(), layout.rows.into(), self.slices];
         Header {
             components: layout.samples.into(),
@@ -226,21 +255,27 @@ impl Series {
         }
     }
 
-    /// Places and directions, in millimetres; left, posterior, superior.
+    fn is_slice(&self) -> bool {
+        self.slices == 1 && self.steps == 1
+    }
+
+    /// Places and directions, or distances alone, in millimetres; left, posterior, superior.
     fn geometry(&self) -> Vec<HeaderLine> {
-        let set = &self.parts[0].set;
+        let set = &self.files[self.parts[0].file].set;
         let field = |name: &str, value: String| HeaderLine::Field { name: name.to_owned(), value };
         let spacing = set.decimals(PIXEL_SPACING).filter(|spacing| spacing.len() == 2);
         let Some((spacing, [x, y, normal])) = spacing.clone().zip(self.axes) else {
-            let spacings =
-                spacing.map(|spacing| field("spacings", format!("{} {} nan", spacing[1], spacing[0])));
+            let third = if self.is_slice() { "" } else { " nan" };
+            let distances = |spacing: Vec<f64>| format!("{} {}{third}", spacing[1], spacing[0]);
+            let spacings = spacing.map(|spacing| field("spacings", distances(spacing)));
             return spacings.into_iter().collect();
         };
         let last = (self.slices - 1) as usize;
-        let [first, end] = match self.parts.len() {
-            1 => [position(set, 0), position(set, last)],
-            _ => [position(set, 0), position(&self.parts[last].set, 0)],
-        };
+        let [first, end] = [0, last].map(|index| {
+            let part = self.parts[index];
+            let File { set, layout, .. } = &self.files[part.file];
+            position(set, layout.frames, part.frame, Some(normal))
+        });
         let step = first
             .zip(end)
             .filter(|_| last > 0)
@@ -266,8 +301,8 @@ impl Series {
         if tag >> 16 == 2 || MADE.contains(&tag) || tag & 0xFFFF == 0 {
             return None;
         }
-        let of_all = || self.parts.iter().map(|part| part.set.elements.get(&tag));
-        let words = words(value, self.parts[0].set.syntax.byte_order)?;
+        let of_all = || self.parts.iter().map(|part| self.files[part.file].set.elements.get(&tag));
+        let words = words(value, self.files[0].set.syntax.byte_order)?;
         if of_all().all(|other| other == Some(value)) {
             return Some(HeaderLine::KeyValue { key: key(tag) + kind_of(value), value: words });
         }
@@ -278,6 +313,25 @@ impl Series {
         };
         RESCALE.contains(&tag).then(|| pair(tag, each().join(";")))
     }
+
+    /// The line that tells how to rescale the frames of the only file, where no element of the file does.
+    fn rescale_of_frames(&self, tag: Tag) -> Option<HeaderLine> {
+        let [File { set, layout, .. }] = &self.files[..] else { return None };
+        let shared = set.shared.get(&tag).filter(|_| !set.elements.contains_key(&tag))?;
+        let of_frames = set.of_frames(tag, layout.frames).unwrap_or_default();
+        if of_frames.iter().all(|value| value == shared) {
+            return Some(pair(tag, text(&shared.bytes)));
+        }
+        let each = self.parts.iter().map(|part| text(&of_frames[part.frame as usize].bytes));
+        Some(pair(tag, each.collect::<Vec<_>>().join(";")))
+    }
+}
+
+/// The distance of most, of distances in their order, but for those that are nothing.
+fn usual_of(sorted: &[f64]) -> f64 {
+    let apart = sorted.partition_point(|distance| *distance < 1e-3);
+    let counted = if apart == sorted.len() { sorted } else { &sorted[apart..] };
+    counted[(counted.len() - 1) / 2]
 }
 
 fn pair(tag: Tag, value: String) -> HeaderLine {
@@ -347,13 +401,31 @@ fn axes(set: &DataSet) -> Option<[[f64; 3]; 3]> {
     Some([x, y, normal])
 }
 
-/// Where a frame begins.
-fn position(set: &DataSet, frame: usize) -> Option<[f64; 3]> {
-    let numbers = match set.elements.get(&POSITION) {
-        Some(value) if frame == 0 => decimals(value),
-        _ => decimals(set.positions.get(frame)?),
-    };
-    numbers?.try_into().ok()
+/// Where a frame of so many begins: as it says itself, as the file says, or so far along the normal from there.
+fn position(set: &DataSet, frames: u64, frame: u64, normal: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    let place = |value: &Value| decimals(value)?.try_into().ok();
+    if let Some(values) = set.of_frames(POSITION, frames) {
+        return place(values.get(frame as usize)?);
+    }
+    let first: [f64; 3] = place(set.value(POSITION)?)?;
+    if frame == 0 {
+        return Some(first);
+    }
+    let offsets = set.decimals(FRAME_OFFSETS).filter(|offsets| offsets.len() as u64 == frames)?;
+    let along = offsets[frame as usize] - offsets[0];
+    normal.map(|normal| [0, 1, 2].map(|axis| first[axis] + normal[axis] * along))
+}
+
+/// Whether frames have several orientations.
+fn turns(set: &DataSet, frames: u64) -> bool {
+    let all = set.of_frames(ORIENTATION, frames).unwrap_or_default();
+    let Some(first) = all.first().and_then(decimals) else { return false };
+    all.iter().any(|value| decimals(value).is_none_or(|other| are_apart(&first, &other)))
+}
+
+/// Whether directions differ by more than their decimals do.
+fn are_apart(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).any(|(one, other)| (one - other).abs() > 1e-3)
 }
 
 fn dot(one: [f64; 3], other: [f64; 3]) -> f64 {

@@ -1,3 +1,4 @@
+use super::elements::Elements;
 use super::*;
 use crate::volume::jpeg::tests::LOSSLESS;
 use crate::volume::{ElementType, Fault, Metadata};
@@ -93,7 +94,7 @@ fn jpeg_without_loss_is_read() {
     }
     let other = file_with(b"1.2.840.10008.1.2.4.80", b"0", vec![]);
     let told = read(&other).unwrap_err().to_string();
-    assert!(told.contains("1.2.840.10008.1.2.4.80 (JPEG-LS)") && told.contains("gdcmconv --raw"), "{told}");
+    assert!(told.contains("1.2.840.10008.1.2.4.80 (JPEG-LS)") && told.contains("dcmdjpls"), "{told}");
 }
 
 #[test]
@@ -209,6 +210,124 @@ fn what_is_written_is_read_again() {
             }
         }
     }
+}
+
+#[test]
+fn equal_volumes_have_equal_files_and_others_have_other_identifiers() {
+    for (name, depth) in [("s/%02d.dcm", 3), ("v.dcm", 3), ("v.dcm", 1)] {
+        let (header, values) = volume(ElementType::U16, 1, [5, 3, depth]);
+        let mut other = values.clone();
+        other[0] ^= 1;
+        let files = [&values, &values, &other].map(|values| {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join(name);
+            write(&path, &header, values);
+            let first = if name.contains('%') { folder.path().join("s/00.dcm") } else { path };
+            std::fs::read(first).unwrap()
+        });
+        assert!(files[0] == files[1], "{name}");
+        let identifiers = files.each_ref().map(|bytes| {
+            let set = DataSet::read(&mut Input::from_bytes(bytes)).unwrap();
+            [0x0008_0018, 0x0020_000E].map(|tag| set.text(tag).unwrap())
+        });
+        assert!((0..2).all(|tag| identifiers[0][tag] != identifiers[2][tag]), "{identifiers:?}");
+    }
+}
+
+#[test]
+fn rescaling_of_each_frame_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("v.dcm");
+    let (header, values) = volume(ElementType::I16, 1, [5, 3, 3]);
+    write(&path, &header, &values);
+    let (found, _) = read_path(&path);
+    assert_eq!(found.metadata.key_value("dicom.0028,1052"), Some("-1024;-1000;-976"));
+}
+
+/// A file of frames of one sample of u8 in these places along z.
+fn frames(places: &[f64], offsets: &str) -> Vec<u8> {
+    let text = |tag: Tag, words: &str| {
+        let mut elements = Elements::default();
+        elements.text(tag, words);
+        elements
+    };
+    let mut all = text(0x0020_0037, "1\\0\\0\\0\\1\\0");
+    all.extend(text(0x0028_0030, "1\\1"));
+    all.extend(text(0x0028_0008, &places.len().to_string()));
+    for (tag, number) in
+        [(0x0028_0010, 1), (0x0028_0011, 1), (0x0028_0100, 8), (0x0028_0101, 8), (0x0028_0102, 7)]
+    {
+        all.numbers(tag, &[number]);
+    }
+    if offsets.is_empty() {
+        let frames: Vec<Elements> = places
+            .iter()
+            .map(|place| {
+                let mut frame = Elements::default();
+                frame.sequence(0x0020_9113, &[text(super::POSITION, &format!("0\\0\\{place}"))]);
+                frame
+            })
+            .collect();
+        all.sequence(super::dataset::PER_FRAME, &frames);
+    } else {
+        all.extend(text(super::POSITION, "0\\0\\5"));
+        all.extend(text(0x3004_000C, offsets));
+    }
+    let mut file = super::elements::beginning("1.2", "1.2.3");
+    file.extend(all.encoded());
+    super::elements::head(&mut file, 0x7FE0_0010, places.len().next_multiple_of(2) as u32);
+    file.extend((0..places.len().next_multiple_of(2)).map(|frame| frame as u8));
+    file
+}
+
+#[test]
+fn frames_are_sorted_by_their_places() {
+    let (header, values) = read(&frames(&[4.0, 0.0, 2.0], "")).unwrap();
+    assert_eq!((header.extent, values), ([1, 1, 3], vec![1, 2, 0]));
+    assert_eq!(header.metadata.geometry().unwrap().directions[2], [0.0, 0.0, 2.0]);
+    // Time steps, in the order of the file.
+    let (header, values) = read(&frames(&[4.0, 0.0, 0.0, 4.0], "")).unwrap();
+    assert_eq!((header.extent, header.steps, values), ([1, 1, 2], 2, vec![1, 0, 2, 3]));
+    // No grid: as they follow each other, and nowhere.
+    let (header, values) = read(&frames(&[9.0, 0.0, 1.0, 2.0], "")).unwrap();
+    assert_eq!((header.extent, values), ([1, 1, 4], vec![0, 1, 2, 3]));
+    assert_eq!(header.metadata.geometry(), None);
+    // Planes of dose.
+    let (header, values) = read(&frames(&[0.0; 3], "0\\3\\6")).unwrap();
+    assert_eq!((header.extent, values), ([1, 1, 3], vec![0, 1, 2]));
+    assert_eq!(header.metadata.field("space origin"), Some("(0,0,5)"));
+    assert_eq!(header.metadata.geometry().unwrap().directions[2], [0.0, 0.0, 3.0]);
+}
+
+#[test]
+fn bits_are_read_across_bytes_and_frames() {
+    let mut all = Elements::default();
+    all.text(0x0028_0008, "3");
+    for (tag, number) in
+        [(0x0028_0010, 1), (0x0028_0011, 5), (0x0028_0100, 1), (0x0028_0101, 1), (0x0028_0102, 0)]
+    {
+        all.numbers(tag, &[number]);
+    }
+    let mut file = super::elements::beginning("1.2", "1.2.3");
+    file.extend(all.encoded());
+    super::elements::head(&mut file, 0x7FE0_0010, 2);
+    file.extend([0b1010_0111, 0b0110_0001]);
+    let (header, values) = read(&file).unwrap();
+    assert_eq!((header.extent, header.element), ([5, 1, 3], ElementType::U8));
+    assert_eq!(values, [1, 1, 1, 0, 0, 1, 0, 1, 1, 0, 0, 0, 0, 1, 1]);
+    file.pop();
+    assert_eq!(read(&file).unwrap_err().kind(), Fault::Data);
+}
+
+#[test]
+fn a_copy_of_a_slice_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, z) in [("a", 0_u16), ("b", 2), ("c", 4), ("copy", 2)] {
+        let bytes = file(format!("0\\0\\{z:4}").as_bytes(), [z; 6]);
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let error = crate::volume::open(folder.path(), None).err().unwrap().to_string();
+    assert!(error.contains("\"b\" and \"copy\" are 0.0000 mm apart, others 2.0000 mm: a copy"), "{error}");
 }
 
 #[test]

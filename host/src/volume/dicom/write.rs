@@ -8,9 +8,11 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::dataset::Tag;
-use super::elements::{Elements, beginning, decimal, head, new_uid};
+use super::elements::{Elements, beginning, decimal, head, uid_of};
 use super::series::{MADE, ORIENTATION, PIXEL_SPACING, RESCALE, SERIES, THICKNESS};
 use super::{POSITION, frame};
+use hmac_sha256::Hash;
+
 use crate::atomic::{AtomicFile, AtomicFolder};
 use crate::volume::format::has_extension;
 use crate::volume::planes::{PlaneSink, PlaneWriter};
@@ -22,6 +24,8 @@ use crate::volume::{
 const CHARACTERS: Tag = 0x0008_0005;
 const CLASS: Tag = 0x0008_0016;
 const INSTANCE_UID: Tag = 0x0008_0018;
+/// What rescaled values are: of no unit that is known.
+const RESCALE_TYPE: Tag = 0x0028_1054;
 const CONVERSION: Tag = 0x0008_0064;
 const STUDY: Tag = 0x0020_000D;
 const NUMBER: Tag = 0x0020_0013;
@@ -71,7 +75,7 @@ pub(super) fn create(path: &Path, header: &Header) -> Result<Created, WriteError
         None => {
             let mut file = AtomicFile::create(&path).map_err(io)?;
             file.write_all(&object.of_frames()).map_err(io)?;
-            Box::new(Frames { file, path: path.clone(), is_odd: object.bytes() % 2 == 1 })
+            Box::new(Frames { file, path: path.clone(), object, hash: Hash::new() })
         }
     };
     Ok(Created { sink: Box::new(PlaneSink::new(&path, header, writer)), losses: losses(&left) })
@@ -165,6 +169,10 @@ struct Object {
     /// Class of a file of one slice.
     class: String,
     header: Header,
+    /// Identifiers that are made here, as the source had none, or those of something else.
+    made: Vec<Tag>,
+    /// What they are made of.
+    identity: String,
 }
 
 impl Object {
@@ -200,17 +208,42 @@ impl Object {
         }
         elements.supply(0x0008_0060, "OT");
         EMPTY.into_iter().for_each(|tag| elements.supply(tag, ""));
-        elements.supply(STUDY, &new_uid());
-        elements.text(SERIES, &new_uid());
+        let mut made = vec![SERIES];
+        made.extend([STUDY].into_iter().filter(|tag| !elements.has(*tag)));
         if let Some(places) = &places {
-            elements.supply(PLACE, &new_uid());
+            made.extend([PLACE].into_iter().filter(|tag| !elements.has(*tag)));
             elements.supply(THICKNESS, &decimal(places.distance));
         }
         if elements.has_letters_beyond_ascii() {
             elements.text(CHARACTERS, "ISO_IR 192");
         }
         pixels(&mut elements, header);
-        Self { elements, each, places, class, header: header.clone() }
+        let identity = String::new();
+        let mut object = Self { elements, each, places, class, header: header.clone(), made, identity };
+        object.identify(&[]);
+        object
+    }
+
+    /// Makes identifiers that are those of these elements, places and `contents` alone.
+    fn identify(&mut self, contents: &[u8]) {
+        let mut elements = self.elements.clone();
+        self.made.iter().for_each(|tag| elements.text(*tag, ""));
+        let places = self.places.as_ref().map(|places| {
+            let ends = [0, self.header.extent[2] - 1].map(|index| places.position(index));
+            [places.orientation.clone(), places.spacing.clone(), ends.concat()].concat()
+        });
+        let each: Vec<String> = self.each.iter().map(|(_, values)| values.join(";")).collect();
+        let words = [places.unwrap_or_default(), each.concat()].concat();
+        self.identity = uid_of(&[&elements.encoded(), words.as_bytes(), contents]);
+        for tag in self.made.clone() {
+            let uid = self.uid(&tag.to_le_bytes());
+            self.elements.text(tag, &uid);
+        }
+    }
+
+    /// The identifier of a part of it.
+    fn uid(&self, part: &[u8]) -> String {
+        uid_of(&[self.identity.as_bytes(), part])
     }
 
     fn bytes(&self) -> u64 {
@@ -218,8 +251,9 @@ impl Object {
     }
 
     /// What comes before the samples of a file of one slice.
-    fn of_slice(&self, index: u64) -> Vec<u8> {
-        let (mut elements, instance) = (self.elements.clone(), new_uid());
+    fn of_slice(&self, index: u64, samples: &[u8]) -> Vec<u8> {
+        let mut elements = self.elements.clone();
+        let instance = self.uid(&[&index.to_le_bytes(), samples].concat());
         elements.text(NUMBER, &(index + 1).to_string());
         for (tag, values) in &self.each {
             elements.text(*tag, values.get(index as usize).map_or("", String::as_str));
@@ -235,32 +269,43 @@ impl Object {
     /// What comes before the samples of a file of all slices.
     fn of_frames(&self) -> Vec<u8> {
         if self.header.extent[2] == 1 {
-            return self.of_slice(0);
+            return self.of_slice(0, &[]);
         }
         let mut elements = self.elements.clone();
         elements.text(NUMBER, "1");
         elements.text(FRAMES, &self.header.extent[2].to_string());
         if let Some(places) = &self.places {
-            let group = |tag, values: &[(Tag, &str)]| {
-                let (mut inner, mut outer) = (Elements::default(), Elements::default());
-                values.iter().for_each(|(tag, value)| inner.text(*tag, value));
-                outer.sequence(tag, &[inner]);
-                outer
-            };
             let distance = decimal(places.distance);
             let mut shared = group(0x0028_9110, &[(THICKNESS, &distance), (PIXEL_SPACING, &places.spacing)]);
             shared.extend(group(0x0020_9116, &[(ORIENTATION, &places.orientation)]));
             elements.sequence(SHARED, &[shared]);
-            let frames = (0..self.header.extent[2])
-                .map(|index| group(0x0020_9113, &[(POSITION, &places.position(index))]));
-            elements.sequence(PER_FRAME, &frames.collect::<Vec<_>>());
+        }
+        if self.places.is_some() || !self.each.is_empty() {
+            let frames: Vec<Elements> =
+                (0..self.header.extent[2]).map(|index| self.of_frame(index)).collect();
+            elements.sequence(PER_FRAME, &frames);
         }
         let class = match (self.header.components, self.header.element.bytes()) {
             (3, _) => "1.2.840.10008.5.1.4.1.1.7.4",
             (_, 1) => "1.2.840.10008.5.1.4.1.1.7.2",
             _ => "1.2.840.10008.5.1.4.1.1.7.3",
         };
-        self.finished(elements, (class, &new_uid()), self.bytes())
+        self.finished(elements, (class, &self.uid(b"frames")), self.bytes())
+    }
+
+    /// What is to be said of one of many frames.
+    fn of_frame(&self, index: u64) -> Elements {
+        let mut frame = Elements::default();
+        if let Some(places) = &self.places {
+            frame.extend(group(0x0020_9113, &[(POSITION, &places.position(index))]));
+        }
+        if !self.each.is_empty() {
+            let each = self.each.iter().map(|(tag, values)| (*tag, values.get(index as usize)));
+            let each = each.map(|(tag, value)| (tag, value.map_or("", String::as_str)));
+            let unit = [(RESCALE_TYPE, "US")];
+            frame.extend(group(0x0028_9145, &each.chain(unit).collect::<Vec<_>>()));
+        }
+        frame
     }
 
     fn finished(&self, mut elements: Elements, (class, instance): (&str, &str), bytes: u64) -> Vec<u8> {
@@ -274,6 +319,14 @@ impl Object {
         head(&mut file, PIXELS, (bytes as u32).next_multiple_of(2));
         file
     }
+}
+
+/// A sequence of one item of texts.
+fn group(tag: Tag, values: &[(Tag, &str)]) -> Elements {
+    let (mut inner, mut outer) = (Elements::default(), Elements::default());
+    values.iter().for_each(|(tag, value)| inner.text(*tag, value));
+    outer.sequence(tag, &[inner]);
+    outer
 }
 
 /// The tag that a line is about, and the representation of its numbers; none for what samples say themselves.
@@ -336,10 +389,14 @@ struct Slices {
 }
 
 impl Slices {
-    fn slice(&self, plane: &[u8]) -> io::Result<()> {
+    fn slice(&mut self, plane: &[u8]) -> io::Result<()> {
+        if self.index == 0 {
+            // Those of the series stand in the first file already, so they cannot be made of all samples.
+            self.object.identify(plane);
+        }
         let name = self.pattern.name(self.index, self.object.header.extent[2]);
         let mut file = AtomicFile::create(&self.folder.path().join(name))?;
-        file.write_all(&self.object.of_slice(self.index))?;
+        file.write_all(&self.object.of_slice(self.index, plane))?;
         file.write_all(plane)?;
         file.write_all(&[0][..plane.len() % 2])?;
         file.commit()
@@ -363,17 +420,30 @@ impl PlaneWriter for Slices {
 struct Frames {
     file: AtomicFile,
     path: PathBuf,
-    is_odd: bool,
+    object: Object,
+    /// Of all samples.
+    hash: Hash,
+}
+
+impl Frames {
+    /// Writes the head again, of which the identifiers are known now.
+    fn end(self) -> io::Result<()> {
+        let Self { mut file, mut object, hash, .. } = self;
+        file.write_all(&[0][..(object.bytes() % 2) as usize])?;
+        object.identify(&hash.finalize());
+        file.overwrite(0, &object.of_frames())?;
+        file.commit()
+    }
 }
 
 impl PlaneWriter for Frames {
     fn write(&mut self, plane: &[u8]) -> Result<(), WriteError> {
+        self.hash.update(plane);
         self.file.write_all(plane).map_err(|cause| WriteError::Io { path: self.path.clone(), cause })
     }
 
     fn finish(self: Box<Self>) -> Result<(), WriteError> {
-        let Self { mut file, path, is_odd } = *self;
-        let written = file.write_all(&[0][..usize::from(is_odd)]).and_then(|()| file.commit());
-        written.map_err(|cause| WriteError::Io { path, cause })
+        let path = self.path.clone();
+        self.end().map_err(|cause| WriteError::Io { path, cause })
     }
 }

@@ -37,8 +37,8 @@ impl Format for MetaImage {
         has_extension(path, &["mha", "mhd"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(b"ObjectType = Image")
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(b"ObjectType = Image")
     }
 
     fn compresses(&self, _: &Path) -> bool {

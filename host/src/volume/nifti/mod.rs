@@ -12,7 +12,7 @@ mod header;
 mod meaning;
 mod orientation;
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 pub use error::NiftiError;
@@ -24,12 +24,9 @@ use header::{HeaderFault, NiftiHeader};
 use super::format::{Format, has_extension};
 use super::input::Input;
 use super::rearranged::{ordered, ordered_sink};
-use super::stored::{Encoding, Place, Stored, StoredSink};
+use super::stored::{Encoding, GZIP, Place, Stored, StoredSink};
 use super::{Axis, Created, FileFormat, Header, ReadError, Source, WriteError, WriteOptions};
 use crate::atomic::AtomicFile;
-
-/// First bytes of a gzip member.
-const GZIP: &[u8] = &[0x1f, 0x8b];
 
 /// The Neuroimaging Informatics Technology Initiative's format.
 pub(super) struct Nifti;
@@ -43,8 +40,15 @@ impl Format for Nifti {
         has_extension(path, &["nii", "nii.gz", "hdr", "hdr.gz", "img", "img.gz"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        None
+    fn begins(&self, first: &[u8]) -> bool {
+        let mut unpacked = Vec::new();
+        if first.starts_with(GZIP) {
+            // As much of it as comes out of so few bytes.
+            let _cut_short = MultiGzDecoder::new(first).take(352).read_to_end(&mut unpacked);
+        }
+        let head = if unpacked.is_empty() { first } else { &unpacked };
+        head.get(344..348) == Some(b"n+1\0".as_slice())
+            || head.get(4..12) == Some(b"n+2\0\r\n\x1a\n".as_slice())
     }
 
     fn compresses(&self, path: &Path) -> bool {

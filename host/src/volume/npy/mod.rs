@@ -11,9 +11,10 @@ use std::path::Path;
 
 use literal::Entries;
 
-use super::axis::guessed;
+use super::axis::{Axis, guessed};
 use super::error::excerpt;
 use super::format::{Format, has_extension};
+use super::half::Widened;
 use super::input::Input;
 use super::stored::{Encoding, Place, Stored, StoredSink};
 use super::{
@@ -107,12 +108,12 @@ impl Format for Npy {
         has_extension(path, &["npy"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(MAGIC)
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(MAGIC)
     }
 
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
-        Ok(Box::new(open(input)?))
+        open(input)
     }
 
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
@@ -135,11 +136,11 @@ impl Format for Npy {
     }
 }
 
-fn open(mut input: Input) -> Result<Stored, ReadError> {
+fn open(mut input: Input) -> Result<Box<dyn Source>, ReadError> {
     let text = read_literal(&mut input)?;
     let fault = |cause| ReadError::Npy { path: input.path().to_owned(), cause };
     let entries = Entries::parse(&text).map_err(fault)?;
-    let (element, byte_order) = parse_descr(&entries.descr).map_err(fault)?;
+    let Kind { element, byte_order, is_half, is_complex } = Kind::of(&entries.descr).map_err(fault)?;
     let mut axes = entries.shape;
     if !entries.fortran_order {
         axes.reverse();
@@ -148,11 +149,16 @@ fn open(mut input: Input) -> Result<Stored, ReadError> {
         return Err(fault(NpyError::Axes { found: axes.len() }));
     }
     let origin = Origin { format: FileFormat::Npy, byte_order, fortran_order: entries.fortran_order };
-    let guessed = guessed(&axes).ok_or_else(|| fault(NpyError::Extent(ExtentError::TooLarge)))?;
+    let mut guessed = guessed(&axes).ok_or_else(|| fault(NpyError::Extent(ExtentError::TooLarge)))?;
+    if is_complex {
+        axes.insert(0, 2);
+        guessed.insert(0, Axis::Component(2));
+    }
     let metadata = Metadata { axes: guessed, source: origin, lines: Vec::new() };
     let header = Header::of_axes(&axes, element, metadata).map_err(|cause| fault(NpyError::Extent(cause)))?;
     let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: false };
-    Stored::new(input, header, place)
+    let stored = Box::new(Stored::new(input, header, place)?);
+    Ok(if is_half { Box::new(Widened::new(stored)) } else { stored })
 }
 
 /// Reads the bytes before the samples and returns the literal; bytes that are not UTF-8 stand as U+FFFD in it.
@@ -191,19 +197,39 @@ fn read_literal(input: &mut Input) -> Result<String, ReadError> {
     Ok(String::from_utf8_lossy(&literal).into_owned())
 }
 
-/// Understands `<f4`: order of bytes, kind, bytes.
-fn parse_descr(descr: &str) -> Result<(ElementType, ByteOrder), NpyError> {
-    let kind = descr.trim_start_matches(['<', '>', '|', '=']);
-    let order = &descr[..descr.len() - kind.len()];
-    let named = ElementType::ALL.into_iter().find(|element| kind_of(*element) == kind);
-    let Some(element) = named else {
-        return Err(NpyError::Element { descr: excerpt(descr), meaning: meaning_of(kind) });
-    };
-    match order {
-        "<" => Ok((element, ByteOrder::Little)),
-        ">" if element.bytes() > 1 => Ok((element, ByteOrder::Big)),
-        ">" | "|" | "=" | "" if element.bytes() == 1 => Ok((element, ByteOrder::Little)),
-        _ => Err(NpyError::ByteOrder { descr: excerpt(descr) }),
+/// What values are, and how they are stored.
+struct Kind {
+    /// Type of a value in memory; of floats of 16 bits, that of their bits.
+    element: ElementType,
+    byte_order: ByteOrder,
+    is_half: bool,
+    /// Whether a sample has two values.
+    is_complex: bool,
+}
+
+impl Kind {
+    /// Understands `<f4`: order of bytes, kind, bytes. Truth values are bytes of 0 and 1.
+    fn of(descr: &str) -> Result<Self, NpyError> {
+        let kind = descr.trim_start_matches(['<', '>', '|', '=']);
+        let order = &descr[..descr.len() - kind.len()];
+        let (stored, is_half, is_complex) = match kind {
+            "b1" => ("u1", false, false),
+            "f2" => ("u2", true, false),
+            "c8" => ("f4", false, true),
+            "c16" => ("f8", false, true),
+            kind => (kind, false, false),
+        };
+        let named = ElementType::ALL.into_iter().find(|element| kind_of(*element) == stored);
+        let Some(element) = named else {
+            return Err(NpyError::Element { descr: excerpt(descr), meaning: meaning_of(kind) });
+        };
+        let byte_order = match order {
+            "<" => ByteOrder::Little,
+            ">" if element.bytes() > 1 => ByteOrder::Big,
+            ">" | "|" | "=" | "" if element.bytes() == 1 => ByteOrder::Little,
+            _ => return Err(NpyError::ByteOrder { descr: excerpt(descr) }),
+        };
+        Ok(Self { element, byte_order, is_half, is_complex })
     }
 }
 
@@ -226,7 +252,7 @@ fn meaning_of(kind: &str) -> &'static str {
     match kind.bytes().next() {
         Some(b'b' | b'?') => "truth values",
         Some(b'f') => "floats of another width",
-        Some(b'c') => "complex numbers",
+        Some(b'c') => "complex numbers of another width",
         Some(b'S' | b'a' | b'U') => "texts",
         Some(b'O') => "Python objects",
         Some(b'M' | b'm') => "times",

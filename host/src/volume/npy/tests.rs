@@ -120,14 +120,45 @@ fn arrays_of_more_axes_have_components_and_time() {
 }
 
 #[test]
+fn truth_values_halves_and_complex_numbers_become_what_holds_them() {
+    let read = |descr: &str, shape: &str, samples: &[u8]| {
+        let literal = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}}}");
+        let mut source = open(Input::from_bytes(&file(1, &literal, samples))).unwrap();
+        let header = source.header().clone();
+        let mut values = vec![0; header.bytes().unwrap() as usize];
+        source.read(&mut values).unwrap();
+        // A part from the middle is the same.
+        let bytes = header.element.bytes();
+        source.seek(bytes as u64).unwrap();
+        let mut second = vec![0; bytes];
+        source.read(&mut second).unwrap();
+        assert_eq!(second, values[bytes..2 * bytes]);
+        (header.element, header.extent, header.components, values)
+    };
+    assert_eq!(read("|b1", "(3,)", &[0, 1, 1]), (ElementType::U8, [3, 1, 1], 1, vec![0, 1, 1]));
+    let floats =
+        |numbers: &[f32]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<u8>>();
+    // 1.5, -2, the largest, the smallest above 0, infinity, -0.
+    let halves: [u16; 6] = [0x3E00, 0xC000, 0x7BFF, 0x0001, 0x7C00, 0x8000];
+    let expected = floats(&[1.5, -2.0, 65_504.0, 2.0_f32.powi(-24), f32::INFINITY, -0.0]);
+    for (sign, bytes) in
+        [('<', halves.map(u16::to_le_bytes).concat()), ('>', halves.map(u16::to_be_bytes).concat())]
+    {
+        let found = read(&format!("{sign}f2"), "(2, 3)", &bytes);
+        assert_eq!(found, (ElementType::F32, [3, 2, 1], 1, expected.clone()), "{sign}");
+    }
+    let parts = floats(&[1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(read("<c8", "(2, 1)", &parts), (ElementType::F32, [1, 2, 1], 2, parts.clone()));
+}
+
+#[test]
 fn other_arrays_are_refused_by_name() {
     let descr = |descr: &str| {
         fault(&file(1, &format!("{{'descr': {descr}, 'fortran_order': False, 'shape': (1,)}}"), &[]))
     };
     for (text, meaning) in [
-        ("|b1", "truth values"),
-        ("<f2", "floats of another width"),
-        ("<c8", "complex numbers"),
+        ("<f16", "floats of another width"),
+        ("<c32", "complex numbers of another width"),
         ("|S5", "texts"),
         ("<U5", "texts"),
         ("|O", "Python objects"),
@@ -173,7 +204,8 @@ fn every_prefix_is_an_error_and_every_changed_byte_returns() {
             let mut changed = bytes.clone();
             changed[index] ^= change;
             if let Ok(volume) = read_bytes(&changed) {
-                assert_eq!(volume.samples.len(), 12, "{index}");
+                // As many bytes as there are, but where they are floats of 16 bits now.
+                assert!(matches!(volume.samples.len(), 12 | 24), "{index}");
             }
         }
     }

@@ -45,8 +45,8 @@ impl Format for Nrrd {
         has_extension(path, &["nrrd", "nhdr"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(MAGIC)
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(MAGIC)
     }
 
     fn compresses(&self, _: &Path) -> bool {

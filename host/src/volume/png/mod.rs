@@ -67,8 +67,8 @@ impl Format for Png {
         has_extension(path, &["png"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(MAGIC)
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(MAGIC)
     }
 
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {

@@ -81,10 +81,6 @@ impl Format for Pnm {
         has_extension(path, &["pgm", "ppm", "pnm", "pfm"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        None
-    }
-
     fn open_input(&self, input: Input) -> Result<Box<dyn Source>, ReadError> {
         open(input)
     }

@@ -21,7 +21,9 @@ use crate::atomic::AtomicFolder;
 #[non_exhaustive]
 pub enum SlicesError {
     /// A folder or pattern without files.
-    #[error("there are no slices (files such as .png, .pgm and .tif) of this name or in this folder")]
+    #[error(
+        "there are no slices (files of DICOM, or such as .png, .pgm and .tif) of this name or in this folder; folders in it are not looked at"
+    )]
     NoFiles,
     /// Files of several formats in a folder.
     #[error(

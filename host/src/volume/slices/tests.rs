@@ -1,7 +1,7 @@
 use std::fs;
 
 use super::*;
-use crate::volume::{ByteOrder, ElementType, Fault, RawLayout, create as create_volume, open as open_volume};
+use crate::volume::{ElementType, Fault, RawLayout, create as create_volume, open as open_volume};
 
 fn pgm(folder: &Path, name: &str, width: u8, values: &[u8]) {
     let height = values.len() / usize::from(width);
@@ -54,8 +54,7 @@ fn raw_slices_have_one_layout() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("1.bin"), [1, 2]).unwrap();
     fs::write(folder.path().join("2.bin"), [3, 4]).unwrap();
-    let layout =
-        RawLayout { extent: "2x1".parse().unwrap(), element: ElementType::U8, byte_order: ByteOrder::Little };
+    let layout = RawLayout::new("2x1".parse().unwrap(), ElementType::U8);
     for name in ["", "%d.bin", "*"] {
         let mut source = open_volume(&folder.path().join(name), Some(&layout)).unwrap();
         assert_eq!(all(&mut source, 4), [1, 2, 3, 4]);

@@ -3,11 +3,13 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
+use ruzstd::decoding::StreamingDecoder;
 use weezl::BitOrder;
 use weezl::decode::Decoder as LzwDecoder;
 
 use super::TiffError;
 use crate::volume::element::reorder;
+use crate::volume::half::widened;
 use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
 use crate::volume::{ByteOrder, ElementType};
@@ -20,6 +22,7 @@ pub(super) enum Compression {
     Deflate,
     PackBits,
     Jpeg,
+    Zstd,
 }
 
 impl Compression {
@@ -31,11 +34,11 @@ impl Compression {
             7 => return Ok(Self::Jpeg),
             8 | 32_946 => return Ok(Self::Deflate),
             32_773 => return Ok(Self::PackBits),
+            50_000 => return Ok(Self::Zstd),
             2..=4 => "fax",
             6 => "JPEG of the old kind",
             33_003 | 33_005 | 34_712 => "JPEG 2000",
             34_925 => "LZMA",
-            50_000 => "Zstandard",
             50_001 => "WebP",
             50_002 => "JPEG XL",
             _ => "unknown",
@@ -43,8 +46,8 @@ impl Compression {
         Err(TiffError::Compression { code, name })
     }
 
-    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW; of JPEG,
-    /// more than are met.
+    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW; of JPEG
+    /// and Zstandard, more than are met.
     pub(super) const fn expansion(self) -> u64 {
         match self {
             Self::None => 1,
@@ -52,6 +55,7 @@ impl Compression {
             Self::Deflate => 4 * 258,
             Self::PackBits => 64,
             Self::Jpeg => 1024,
+            Self::Zstd => 1 << 16,
         }
     }
 }
@@ -88,12 +92,21 @@ impl Chunk {
         jpeg::decode(&[tables, rest].concat(), expected).ok()
     }
 
+    /// Whether values are floats of 16 bits.
+    fn is_half(self) -> bool {
+        self.bits == 16 && self.element == ElementType::F32
+    }
+
     /// The values of a chunk, little-endian; `None` if it does not have as many.
     pub(super) fn decode(self, compression: Compression, stored: &[u8]) -> Option<Vec<u8>> {
         let row_bytes = self.width.checked_mul(self.samples)?.checked_mul(self.bits)?.div_ceil(8);
         let bytes = row_bytes.checked_mul(self.rows)?;
         if bytes as u64 > (stored.len() as u64).saturating_mul(compression.expansion()) {
             return None;
+        }
+        if self.is_half() {
+            let bits = Self { element: ElementType::U16, ..self }.decode(compression, stored)?;
+            return Some(widened(&bits));
         }
         let mut data = decompress(compression, stored, bytes)?;
         if self.bits != self.element.bytes() * 8 {
@@ -105,7 +118,9 @@ impl Chunk {
                 reorder(&mut data, self.element, self.byte_order);
                 data.chunks_mut(row_bytes).for_each(|row| self.sum(row));
             }
-            3 if self.element.is_float() => data.chunks_mut(row_bytes).for_each(|row| self.join(row)),
+            3 if self.element.is_float() || self.element == ElementType::U16 => {
+                data.chunks_mut(row_bytes).for_each(|row| self.join(row))
+            }
             _ => return None,
         }
         Some(data)
@@ -159,6 +174,11 @@ fn decompress(compression: Compression, stored: &[u8], bytes: usize) -> Option<V
         Compression::PackBits => unpack_bits(stored, bytes),
         // Not here.
         Compression::Jpeg => None,
+        Compression::Zstd => {
+            let mut data = Vec::new();
+            StreamingDecoder::new(stored).ok()?.take(bytes as u64).read_to_end(&mut data).ok()?;
+            Some(data).filter(|data| data.len() == bytes)
+        }
         Compression::Deflate => {
             let mut data = vec![0; bytes];
             ZlibDecoder::new(stored).read_exact(&mut data).ok()?;

@@ -85,10 +85,15 @@ impl Page {
     }
 }
 
-/// The pages of a file.
+/// Pages that are a smaller picture of another one, or the mask of one (NewSubfileType, bits 0 and 2).
+const SUBORDINATE: u64 = 1 | 4;
+
+/// The pages of a file, but for smaller pictures of them, and masks.
 pub(super) struct Pages {
     decoder: Decoder<Input>,
     directories: Vec<IfdPointer>,
+    /// Number of pages that are left out.
+    pub(super) left_out: usize,
     path: PathBuf,
     file_bytes: u64,
     /// The page that was looked at last.
@@ -110,10 +115,16 @@ impl Pages {
             if !seen.insert(pointer.0) {
                 return Err(TiffError::Cycle);
             }
-            next = decoder.read_directory(pointer).map_err(TiffError::Directory)?.next();
-            directories.push(pointer);
+            let directory = decoder.read_directory(pointer).map_err(TiffError::Directory)?;
+            next = directory.next();
+            let mut tags = Tags { decoder: &mut decoder, directory: &directory, page: seen.len() };
+            let is_subordinate = tags.number(Tag::NewSubfileType, 0)? & SUBORDINATE != 0;
+            if !is_subordinate || directories.is_empty() {
+                directories.push(pointer);
+            }
         }
-        let mut pages = Self { decoder, directories, path, file_bytes, held: None };
+        let left_out = seen.len() - directories.len();
+        let mut pages = Self { decoder, directories, left_out, path, file_bytes, held: None };
         let first = pages.page(0)?;
         for index in 1..pages.directories.len() {
             let [found, expected] = [pages.page(index)?.shape(), first.shape()];
@@ -359,7 +370,7 @@ fn element(bits: u64, format: u64) -> Result<ElementType, TiffError> {
         (16, 2) => ElementType::I16,
         (32, 2) => ElementType::I32,
         (64, 2) => ElementType::I64,
-        (32, 3) => ElementType::F32,
+        (16 | 32, 3) => ElementType::F32,
         (64, 3) => ElementType::F64,
         (bits, 2) => return Err(TiffError::Samples { what: format!("signed integers of {bits} bits") }),
         (bits, 3) => return Err(TiffError::Samples { what: format!("floats of {bits} bits") }),

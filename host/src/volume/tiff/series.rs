@@ -1,11 +1,20 @@
 //! What pages are: channels, slices and frames, as ImageJ or OME-TIFF describe them.
 //!
 //! Sources: the class `ij.io.TiffDecoder` of ImageJ, for its description in lines of `key=value`; the OME data model,
-//! element `Pixels`.
+//! element `Pixels`; the module tifffile of Python, for shapes in JSON.
+
+use serde::Deserialize;
 
 use super::TiffError;
 use super::chunk::Compression;
 use super::page::Page;
+
+/// What tifffile describes an array with.
+#[derive(Deserialize)]
+struct Shape {
+    shape: Vec<u64>,
+    axes: Option<String>,
+}
 
 /// Who wrote the description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,8 +49,30 @@ impl Series {
         }
         match pixels(text) {
             Some(pixels) => Self::of_ome(pixels, first, pages).unwrap_or(Ok(plain)),
-            None => Ok(plain),
+            None => Ok(Self::of_shape(text, pages).unwrap_or(plain)),
         }
+    }
+
+    /// The series of an array whose shape, and perhaps axes, stand in JSON. Of two axes before those of a page, the
+    /// first is time.
+    fn of_shape(text: &str, pages: u64) -> Option<Self> {
+        let described: Shape = serde_json::from_str(text).ok()?;
+        let before = (1..described.shape.len()).find(|count| {
+            let product =
+                described.shape[..*count].iter().try_fold(1_u64, |product, axis| product.checked_mul(*axis));
+            product == Some(pages)
+        })?;
+        let letters: String = match described.axes {
+            Some(axes) if axes.len() == described.shape.len() => axes.chars().take(before).collect(),
+            _ => ["Z", "TZ"].get(before - 1).copied()?.to_owned(),
+        };
+        let mut sizes = [1; 3];
+        for (letter, &size) in letters.chars().zip(&described.shape) {
+            let axis = "CZT".find(letter).filter(|axis| sizes[*axis] == 1)?;
+            sizes[axis] = size;
+        }
+        let order: String = letters.chars().rev().collect();
+        Some(Self::ordered(Author::Other, sizes, &order))
     }
 
     fn ordered(author: Author, [channels, slices, frames]: [u64; 3], order: &str) -> Self {

@@ -130,3 +130,105 @@ fn jpeg_is_read() {
         }
     }
 }
+
+/// A page of samples of one byte: its extent, how it is compressed, what kind it is, its description, what is stored.
+struct Stored<'a> {
+    extent: [usize; 2],
+    compression: usize,
+    kind: usize,
+    description: &'a str,
+    strip: &'a [u8],
+}
+
+/// A file of such pages.
+fn pages(pages: &[Stored<'_>]) -> Vec<u8> {
+    let mut file = b"II*\0\0\0\0\0".to_vec();
+    let mut link = 4;
+    for page in pages {
+        let text = [page.description.as_bytes(), &[0; 5]].concat();
+        let [strip, description] = [file.len(), file.len() + page.strip.len()];
+        file.extend([page.strip, &text].concat());
+        let here = file.len() as u32;
+        file[link..link + 4].copy_from_slice(&here.to_le_bytes());
+        let [width, height] = page.extent;
+        let entries = [
+            (254, 4, 1, page.kind),
+            (256, 4, 1, width),
+            (257, 4, 1, height),
+            (258, 3, 1, 8),
+            (259, 3, 1, page.compression),
+            (262, 3, 1, 1),
+            (270, 2, text.len(), description),
+            (273, 4, 1, strip),
+            (278, 4, 1, height),
+            (279, 4, 1, page.strip.len()),
+        ];
+        file.extend((entries.len() as u16).to_le_bytes());
+        for (tag, kind, count, value) in entries {
+            file.extend([tag as u16, kind].into_iter().flat_map(u16::to_le_bytes));
+            file.extend([count as u32, value as u32].into_iter().flat_map(u32::to_le_bytes));
+        }
+        link = file.len();
+        file.extend([0; 4]);
+    }
+    file
+}
+
+#[test]
+fn smaller_pictures_of_a_page_are_no_slices() {
+    let page =
+        |extent: [usize; 2], kind, strip| Stored { extent, compression: 1, kind, description: "", strip };
+    let whole = [1, 2, 3, 4, 5, 6];
+    let file = pages(&[page([3, 2], 0, &whole), page([2, 1], 1, &[9, 9]), page([3, 2], 4, &[8; 6])]);
+    let (header, values) = read(&file).unwrap();
+    assert_eq!((header.extent, values), ([3, 2, 1], whole.to_vec()));
+    assert_eq!(header.metadata.key_value("tiff.left_out"), Some("2 smaller pictures or masks"));
+    // But the only page is one, whatever it says.
+    assert_eq!(read(&pages(&[page([3, 2], 1, &whole)])).unwrap().1, whole);
+}
+
+#[test]
+fn shapes_of_tifffile_tell_time_from_slices() {
+    let shaped = |description: &str, count: u8| {
+        let strips: Vec<[u8; 2]> = (0..count).map(|page| [page, page]).collect();
+        let stack: Vec<Stored<'_>> = strips
+            .iter()
+            .map(|strip| Stored { extent: [2, 1], compression: 1, kind: 0, description, strip })
+            .collect();
+        let (header, values) = read(&pages(&stack)).unwrap();
+        (
+            header.extent[2],
+            header.steps,
+            header.components,
+            values.iter().step_by(2).copied().collect::<Vec<_>>(),
+        )
+    };
+    let all = || (0..6).collect::<Vec<u8>>();
+    assert_eq!(shaped(r#"{"shape": [6, 1, 2]}"#, 6), (6, 1, 1, all()));
+    assert_eq!(shaped(r#"{"shape": [2, 3, 1, 2]}"#, 6), (3, 2, 1, all()));
+    assert_eq!(shaped(r#"{"shape": [3, 2, 1, 2], "axes": "ZTYX"}"#, 6), (3, 2, 1, vec![0, 2, 4, 1, 3, 5]));
+    // Two channels: values 0 and 3 of the first sample stand side by side, then again for the second.
+    let (slices, steps, channels, values) = shaped(r#"{"shape": [2, 3, 1, 2], "axes": "CZYX"}"#, 6);
+    assert_eq!((slices, steps, channels, values), (3, 1, 2, vec![0, 0, 1, 1, 2, 2]));
+    for odd in
+        [r#"{"shape": [7, 1, 2]}"#, r#"{"shape": [2, 3, 1, 2], "axes": "QQYX"}"#, "{", r#"{"shape": []}"#]
+    {
+        assert_eq!(shaped(odd, 6), (6, 1, 1, all()), "{odd}");
+    }
+}
+
+#[test]
+fn zstandard_is_read() {
+    let samples: Vec<u8> = (0..600).map(|at| (at / 7) as u8).collect();
+    let strip = ruzstd::encoding::compress_to_vec(&samples[..], ruzstd::encoding::CompressionLevel::Fastest);
+    let page = Stored { extent: [30, 20], compression: 50_000, kind: 0, description: "", strip: &strip };
+    let file = pages(&[page]);
+    assert_eq!(read(&file).unwrap().1, samples);
+    for at in 8..8 + strip.len() {
+        for by in [1, 0x10, 0x80, 0xFF] {
+            let mut changed = file.clone();
+            changed[at] ^= by;
+            let _either = read(&changed);
+        }
+    }
+}

@@ -34,6 +34,9 @@ pub(super) const PHOTOMETRIC: &str = "tiff.PhotometricInterpretation";
 /// Key of the bits of a value, where they made no bytes in the file.
 pub(super) const BITS: &str = "tiff.BitsPerSample";
 
+/// Key of pages that were not read.
+const LEFT_OUT: &str = "tiff.left_out";
+
 /// Distances between samples, and their units; each may be unknown.
 struct Spacing {
     distance: Option<f64>,
@@ -67,6 +70,9 @@ pub(super) fn lines(
     }
     if first.photometric != usual_photometric(first.samples.into()) {
         pair(PHOTOMETRIC, first.photometric.to_string());
+    }
+    if pages.left_out > 0 {
+        pair(LEFT_OUT, format!("{} smaller pictures or masks", pages.left_out));
     }
     if usize::from(first.bits) != first.element.bytes() * 8 {
         pair(BITS, first.bits.to_string());

@@ -35,8 +35,8 @@ impl Format for VtkLegacy {
         has_extension(&split(path).0, &["vtk"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(legacy::MAGIC.as_bytes())
+    fn begins(&self, first: &[u8]) -> bool {
+        first.starts_with(legacy::MAGIC.as_bytes())
     }
 
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
@@ -67,8 +67,10 @@ impl Format for VtkXml {
         has_extension(&split(path).0, &["vti"])
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        Some(b"<VTKFile")
+    fn begins(&self, first: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(first);
+        let declared = text.strip_prefix("<?xml").and_then(|rest| rest.split_once("?>"));
+        declared.map_or(&*text, |(_, rest)| rest.trim_start()).starts_with("<VTKFile")
     }
 
     fn compresses(&self, _: &Path) -> bool {

@@ -37,7 +37,9 @@ pub(super) struct Layout {
     pub(super) chunk: Vec<u64>,
     /// What lies along each axis.
     pub(super) roles: Vec<Role>,
+    /// Type of a value; of floats of 16 bits, that of their bits.
     pub(super) element: ElementType,
+    pub(super) is_half: bool,
     pub(super) byte_order: ByteOrder,
     /// Names of the axes where the array gives others than those of the roles.
     pub(super) names: Option<Value>,
@@ -53,7 +55,7 @@ impl Layout {
         let is_v2 = metadata.get("zarr_format").and_then(Value::as_u64) == Some(2);
         let shape = numbers(metadata.get("shape"), "shape")?;
         let (outer, inner) = chunks(metadata, is_v2)?;
-        let (element, byte_order) = samples(metadata, is_v2)?;
+        let (element, is_half, byte_order) = samples(metadata, is_v2)?;
         if outer.len() != shape.len() || inner.len() != shape.len() {
             return Err(ZarrError::Metadata { what: "shape of chunks" });
         }
@@ -79,7 +81,7 @@ impl Layout {
         let names = names
             .filter(|_| names.and_then(roles_named).is_none() && metadata.contains_key("dimension_names"));
         let names = names.cloned();
-        Ok(Self { shape, chunk: inner, roles, element, byte_order, names, attributes })
+        Ok(Self { shape, chunk: inner, roles, element, is_half, byte_order, names, attributes })
     }
 
     /// Samples along the axis of that role, 1 where there is none.
@@ -144,7 +146,8 @@ fn codec<'a>(codecs: &'a Value, name: &str) -> Option<&'a Value> {
     found?.get("configuration")
 }
 
-fn samples(metadata: &Map<String, Value>, is_v2: bool) -> Result<(ElementType, ByteOrder), ZarrError> {
+/// Type of a value, whether it is the bits of a float of 16, and the order of its bytes. Truth values are bytes.
+fn samples(metadata: &Map<String, Value>, is_v2: bool) -> Result<(ElementType, bool, ByteOrder), ZarrError> {
     let name = metadata
         .get(if is_v2 { "dtype" } else { "data_type" })
         .ok_or(ZarrError::Metadata { what: "data type" })?;
@@ -152,14 +155,18 @@ fn samples(metadata: &Map<String, Value>, is_v2: bool) -> Result<(ElementType, B
     let text = name.as_str().ok_or_else(unknown)?;
     let kind = if is_v2 { text.trim_start_matches(['<', '>', '|']) } else { text };
     let name_of = |element: &ElementType| if is_v2 { v2_name(*element) } else { v3_name(*element) };
-    let element =
-        ElementType::ALL.into_iter().find(|element| name_of(element) == kind).ok_or_else(unknown)?;
+    let is_half = kind == if is_v2 { "f2" } else { "float16" };
+    let element = match kind {
+        "f2" | "float16" if is_half => ElementType::U16,
+        "b1" | "bool" => ElementType::U8,
+        kind => ElementType::ALL.into_iter().find(|element| name_of(element) == kind).ok_or_else(unknown)?,
+    };
     let is_big = match is_v2 {
         true => text.starts_with('>'),
         false => metadata.get("codecs").is_some_and(is_big_endian),
     };
     let byte_order = if is_big && element.bytes() > 1 { ByteOrder::Big } else { ByteOrder::Little };
-    Ok((element, byte_order))
+    Ok((element, is_half, byte_order))
 }
 
 fn is_big_endian(codecs: &Value) -> bool {

@@ -46,10 +46,6 @@ impl Format for Zarr {
         true
     }
 
-    fn magic(&self) -> Option<&'static [u8]> {
-        None
-    }
-
     fn open(&self, path: &Path) -> Result<Box<dyn Source>, ReadError> {
         source::open(path)
     }

@@ -13,6 +13,7 @@ use super::node::{self, Place, multiscales};
 use super::store::Within;
 use super::{ZarrError, lines, ome};
 use crate::volume::element::reorder;
+use crate::volume::half::Widened;
 use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, Source};
 
 /// Bytes of samples that are decoded at a time, if chunks are no larger.
@@ -77,7 +78,8 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
     if array.shape() != layout.shape {
         return Err(fault(ZarrError::Metadata { what: "shape" }));
     }
-    Ok(Box::new(ZarrSource {
+    let is_half = layout.is_half;
+    let source = Box::new(ZarrSource {
         array,
         layout,
         header,
@@ -87,7 +89,8 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
         start: 0,
         at: 0,
         most: 3 * MOST_PIECE_BYTES,
-    }))
+    });
+    Ok(if is_half { Box::new(Widened::new(source)) } else { source })
 }
 
 fn header(

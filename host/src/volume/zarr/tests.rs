@@ -282,7 +282,7 @@ fn faults_are_named() {
         message(&path)
     };
     assert!(with("/node_type", json!("table")).contains("no proper node_type"));
-    assert!(with("/data_type", json!("bool")).contains("samples are of type \"\\\"bool\\\"\""));
+    assert!(with("/data_type", json!("complex64")).contains("samples are of type \"\\\"complex64\\\"\""));
     assert!(with("/shape", json!([0, 4, 5])).contains("an axis of zero samples"));
     assert!(with("/shape", json!([1_u64 << 40, 1_u64 << 40, 5])).contains("64 bits"));
     assert!(with("/shape", json!([3, 4])).contains("no proper shape of chunks"));
