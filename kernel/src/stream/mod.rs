@@ -14,6 +14,7 @@ mod error;
 mod fronts;
 mod header;
 mod inverse;
+mod outgoing;
 mod plan;
 mod schedule;
 mod slabs;

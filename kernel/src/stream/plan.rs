@@ -134,12 +134,8 @@ impl RowPlan {
         let north = scratch;
         let above = north.saturating_add(low);
         let low_row = above.saturating_add(low);
-        let out = low_row.saturating_add(low);
-        let total = out.saturating_add(match role {
-            Role::Encoder => 0,
-            Role::Decoder => columns,
-        });
-        let mut layout = Layout { scratch, north, above, low_row, out, first_level: total, total };
+        let total = low_row.saturating_add(low);
+        let mut layout = Layout { scratch, north, above, low_row, first_level: total, total };
         let mut level = 0;
         while level < self.levels {
             layout.total = layout.total.saturating_add(self.level_len(role, level));
@@ -211,8 +207,6 @@ pub(super) struct Layout {
     pub(super) above: usize,
     /// A row of the low-pass part.
     pub(super) low_row: usize,
-    /// A row of samples to come out.
-    pub(super) out: usize,
     pub(super) first_level: usize,
     pub(super) total: usize,
 }
