@@ -18,6 +18,8 @@ mod outgoing;
 mod plan;
 mod schedule;
 mod slabs;
+#[cfg(test)]
+mod total;
 
 pub use codec::RowCodec;
 pub use decoder::RowDecoder;

@@ -102,7 +102,7 @@ impl SlabPlan {
     }
 
     /// The header of a stream of such slabs.
-    fn header(&self) -> super::header::Bytes {
+    pub(super) fn header(&self) -> super::header::Bytes {
         let wavelet = (self.plan.levels() > 0).then(|| self.plan.wavelet());
         let fields = Fields { sample_type: self.sample_type, wavelet, levels: self.plan.levels() };
         fields.write(SLABS, &self.plan.extent().axes())
