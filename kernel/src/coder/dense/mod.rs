@@ -403,6 +403,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
     fn what_was_coded_before_does_not_show() {
         let (mut bench, mut next) = (Bench::new(), noise());
         let samples: Vec<_> = (0..16 * 16 * 16).map(|n| n / 7 + (next() % 9).cast_signed()).collect();
