@@ -25,6 +25,17 @@ pub enum PlanError {
     NotBuilt(Feature),
 }
 
+impl PlanError {
+    /// What is wrong with a header that asks for such a plan.
+    pub(crate) fn in_header(self) -> DecodeError {
+        match self {
+            Self::ZeroExtent { .. } | Self::ExtentTooLarge => Malformed::Extent.into(),
+            Self::TooManyLevels { .. } => Malformed::Levels.into(),
+            Self::NotBuilt(part) => DecodeError::NotBuilt(part),
+        }
+    }
+}
+
 /// Which lent slice a [`LengthError`] speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

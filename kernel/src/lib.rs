@@ -46,6 +46,8 @@ mod sample;
 pub mod stencil;
 #[cfg(feature = "stream")]
 pub mod stream;
+#[cfg(test)]
+mod total;
 pub mod transform;
 
 pub use coder::{Dense, Lattice, Training, bits};

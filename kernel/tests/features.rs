@@ -75,11 +75,12 @@ fn lattices() {
 fn codestreams_of_other_builds() {
     // Magic, version, storage, type and wavelet, levels, extent, and bytes of segments.
     let coded = |wavelet: u8| [b'w', b'L', 2, 0, wavelet << 4, 1, 4, 4, 4, 0, 0];
+    let parsed = |bytes: &[u8]| Header::parse(bytes).map(|_| ());
     for (wavelet, number) in Wavelet::ALL.into_iter().zip(1..) {
-        refuses(&coded(number), Feature::Wavelet(wavelet));
+        refuses(parsed(&coded(number)), Feature::Wavelet(wavelet));
     }
-    refuses(&[b'w', b'L', 2, 1, 0, 0, 4, 4, 4, 0], Feature::Dense);
-    refuses(&[b'w', b'L', 2, 2, 0, 1, 4, 4, 4, 1, 0, 0, 0], Feature::Lattice);
+    refuses(parsed(&[b'w', b'L', 2, 1, 0, 0, 4, 4, 4, 0]), Feature::Dense);
+    refuses(parsed(&[b'w', b'L', 2, 2, 0, 1, 4, 4, 4, 1, 0, 0, 0]), Feature::Lattice);
     // One segment, whose first three bits name trained predictors.
     let trained = [b'w', b'L', 2, 0, 0, 0, 4, 4, 4, 1, 5 << 5];
     let header = Header::parse(&trained).unwrap();
@@ -89,8 +90,23 @@ fn codestreams_of_other_builds() {
     assert_eq!(decoded.map(|_| ()) == refusal, !Feature::Trained.is_built());
 }
 
-fn refuses(codestream: &[u8], feature: Feature) {
-    let parsed = Header::parse(codestream).map(|_| ());
+#[cfg(feature = "stream")]
+#[test]
+fn streams_of_other_builds() {
+    use wavelift_kernel::stream::{RowPlan, SlabPlan};
+    for (wavelet, number) in Wavelet::ALL.into_iter().zip(1..) {
+        let feature = Feature::Wavelet(wavelet);
+        let rows = RowPlan::new(wavelet, SIDE, 2, SampleType::U8).map(|_| ());
+        assert_eq!(rows, if feature.is_built() { Ok(()) } else { Err(PlanError::NotBuilt(feature)) });
+        assert!(RowPlan::new(wavelet, SIDE, 0, SampleType::U8).is_ok());
+        // Magic, version, kind, type and wavelet, levels, then width and strip, or the extent.
+        let header = |kind| [b'w', b'S', 2, kind, number << 4, 1, 4, 4, 4];
+        refuses(RowPlan::parse(&header(0)).map(|_| ()), feature);
+        refuses(SlabPlan::parse(&header(1)).map(|_| ()), feature);
+    }
+}
+
+fn refuses(parsed: Result<(), DecodeError>, feature: Feature) {
     let refusal = DecodeError::NotBuilt(feature);
     assert_eq!(parsed, if feature.is_built() { Ok(()) } else { Err(refusal) });
     assert_eq!(refusal.to_string(), format!("built without the feature {feature}"));

@@ -1,6 +1,8 @@
 //! Damage to every golden codestream, and to streams of rows and slabs made of their samples.
 
+use std::collections::BTreeMap;
 use std::fmt;
+use std::time::{Duration, Instant};
 
 use wavelift_kernel::stream::{RowPlan, SlabPlan};
 use wavelift_kernel::{Extent, Header, SampleType, Wavelet};
@@ -12,11 +14,57 @@ use crate::slabs;
 use crate::streams::{self, Pieces};
 use crate::vectors::{Expect, Manifest, decode};
 
-/// Samples for which memory is taken when damage asks for it.
-const MOST_SAMPLES: usize = 1 << 12;
+/// Samples for which memory is taken when damage asks for it: more than any golden codestream has, of which those with
+/// tables begin at 2^14.
+const MOST_SAMPLES: usize = 1 << 15;
+
+/// Samples of golden codestreams that are made into streams too.
+const MOST_ARRIVING: usize = 1 << 10;
+
+/// Samples that are taken of a stream, which does not say how many it has.
+const MOST_GIVEN: usize = 1 << 12;
 
 /// Elements of memory that are lent to a decoder of rows.
 const MOST_MEMORY: usize = 1 << 14;
+
+/// How a golden stream holds its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// As an adaptive coder leaves them.
+    Coded,
+    /// The same, densely.
+    Dense,
+    /// Within a distance.
+    Lattice,
+    /// Under tables, from few neighbours.
+    Tabled,
+    /// Under tables, from many.
+    Wide,
+    /// As they are.
+    Stored,
+    /// Row by row.
+    Rows,
+    /// Slab by slab.
+    Slabs,
+    /// Not at all: golden data to be refused at the beginning.
+    None,
+}
+
+impl Kind {
+    fn of(bytes: &[u8]) -> Self {
+        match bytes {
+            [b'w', b'S', 2, 0, ..] => Self::Rows,
+            [b'w', b'S', 2, 1, ..] => Self::Slabs,
+            [b'w', b'L', 2, 0, ..] => Self::Coded,
+            [b'w', b'L', 2, 1, ..] => Self::Dense,
+            [b'w', b'L', 2, 2, ..] => Self::Lattice,
+            [b'w', b'L', 2, 3, ..] => Self::Tabled,
+            [b'w', b'L', 2, 4, ..] => Self::Wide,
+            [b'w', b'L', 2, 0x80, ..] => Self::Stored,
+            _ => Self::None,
+        }
+    }
+}
 
 /// What came of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,11 +73,45 @@ pub struct Tally {
     pub cases: usize,
     /// Those of which a decoder said that something is wrong.
     pub noticed: usize,
+    /// How long the one took that took longest.
+    pub longest: Duration,
+}
+
+impl Tally {
+    fn add(&mut self, other: &Self) {
+        self.cases += other.cases;
+        self.noticed += other.noticed;
+        self.longest = self.longest.max(other.longest);
+    }
 }
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} damaged streams, {} noticed", self.cases, self.noticed)
+        let Self { cases, noticed, longest } = self;
+        write!(f, "{cases} damaged streams, {noticed} noticed, the longest took {} ms", longest.as_millis())
+    }
+}
+
+/// What came of each kind.
+#[derive(Clone, Debug, Default)]
+pub struct Tallies(pub BTreeMap<Kind, Tally>);
+
+impl Tallies {
+    /// Of all kinds together.
+    pub fn total(&self) -> Tally {
+        self.0.values().fold(Tally::default(), |mut total, tally| {
+            total.add(tally);
+            total
+        })
+    }
+}
+
+impl fmt::Display for Tallies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (kind, tally) in &self.0 {
+            writeln!(f, "{kind:?}: {tally}")?;
+        }
+        write!(f, "{}", self.total())
     }
 }
 
@@ -43,12 +125,13 @@ impl fmt::Display for Tally {
 ///
 /// If a decoder panics, writes outside of what it was lent, gives a sample outside its type, or says other things of a
 /// stream that comes in pieces.
-pub fn run(seed: u64, count: usize) -> Result<Tally, String> {
+pub fn run(seed: u64, count: usize) -> Result<Tallies, String> {
     let streams = golden()?;
     let mut noise = Noise::new(seed);
-    let mut tally = Tally::default();
+    let mut tallies = Tallies::default();
     for case in 0..count {
         let mut bytes = streams[case % streams.len()].clone();
+        let kind = Kind::of(&bytes);
         let other = &streams[(noise.bits() % streams.len() as u64) as usize];
         for _ in 0..=usize::from(case.is_multiple_of(4)) {
             let way = (noise.bits() % Damage::ALL.len() as u64) as usize;
@@ -56,10 +139,11 @@ pub fn run(seed: u64, count: usize) -> Result<Tally, String> {
                 Damage::ALL[way].inflict(&mut bytes, other, &mut noise);
             }
         }
-        tally.cases += 1;
-        tally.noticed += usize::from(is_refused(&bytes));
+        let begin = Instant::now();
+        let noticed = usize::from(is_refused(&bytes));
+        tallies.0.entry(kind).or_default().add(&Tally { cases: 1, noticed, longest: begin.elapsed() });
     }
-    Ok(tally)
+    Ok(tallies)
 }
 
 /// Every codestream of the golden data, those to be refused too, and two streams of its smallest slice.
@@ -84,7 +168,7 @@ fn arriving(header: &Header, samples: &[i32]) -> Vec<Vec<u8>> {
     let (extent, sample_type): (Extent, SampleType) = (header.plan().extent(), header.sample_type());
     let [width, height, depth] = extent.axes();
     let (levels, wavelet): (u8, Wavelet) = (header.plan().levels(), header.plan().wavelet());
-    if samples.len() > MOST_SAMPLES / 4 {
+    if samples.len() > MOST_ARRIVING {
         return Vec::new();
     }
     let rows = RowPlan::new(wavelet, width, levels, sample_type).map(|plan| plan.with_strip(7));
@@ -122,15 +206,15 @@ fn is_refused_arriving(bytes: &[u8]) -> bool {
         if plan.decoder_memory_len() > MOST_MEMORY {
             return true;
         }
-        let whole = streams::decode(bytes, MOST_SAMPLES, Pieces::Whole);
-        let cut = streams::decode(bytes, MOST_SAMPLES, Pieces::Of(3));
-        assert!(whole.0.len() > MOST_SAMPLES || whole == cut, "the pieces matter");
+        let whole = streams::decode(bytes, MOST_GIVEN, Pieces::Whole);
+        let cut = streams::decode(bytes, MOST_GIVEN, Pieces::Of(3));
+        assert!(whole.0.len() > MOST_GIVEN || whole == cut, "the pieces matter");
         return whole.1.is_err();
     }
-    if SlabPlan::parse(bytes).is_ok_and(|(plan, _)| plan.samples_len() > MOST_SAMPLES) {
+    if SlabPlan::parse(bytes).is_ok_and(|(plan, _)| plan.samples_len() > MOST_GIVEN) {
         return true;
     }
-    let whole = slabs::decode(bytes, MOST_SAMPLES);
+    let whole = slabs::decode(bytes, MOST_GIVEN);
     assert_eq!(slabs::decode(bytes, 3), whole, "the pieces matter");
     whole.1.is_err()
 }

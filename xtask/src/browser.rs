@@ -38,7 +38,7 @@ const FILES: [(&str, &str); 7] = [
 ];
 
 /// How long Node and Chromium may take.
-const SECONDS: &str = "120";
+const SECONDS: &str = "900";
 
 pub(crate) fn run() -> Failures {
     // "z" is shorter here; the library for microcontrollers keeps "s".

@@ -1,8 +1,6 @@
 //! `cargo xtask capi`: the C library, and the example in C that tests it, here and on an emulated microcontroller.
 
-use std::process::{Command, Stdio};
-
-use crate::shell::{Failures, cargo, output};
+use crate::shell::{Failures, cargo, output, run_with};
 
 /// Name of the package of the C library.
 pub(crate) const CAPI: &str = "wavelift-capi";
@@ -37,12 +35,7 @@ pub(crate) fn build(crate_type: &str, options: &[&str]) -> Failures {
 
 fn make() -> Failures {
     let arguments = ["--always-make", "--no-print-directory", "--directory", EXAMPLE, "check"];
-    let status = Command::new("make").args(arguments).stdin(Stdio::null()).status();
-    match status {
-        Ok(status) if status.success() => vec![],
-        Ok(status) => vec![format!("make {} ({status})", arguments.join(" "))],
-        Err(error) => vec![format!("make: {error}")],
-    }
+    run_with("make", &arguments, &[])
 }
 
 /// Ways to panic that the program of the microcontroller holds.

@@ -103,7 +103,7 @@ fn fuzz(programs: &Path, name: &str, seeds: &[&str], options: &Options) -> Resul
     let program = programs.join(name);
     let mut command = Command::new(&program);
     command.arg(format!("-max_total_time={}", options.seconds));
-    command.args(["-print_final_stats=1", "-verbosity=0", "-timeout=20", "-rss_limit_mb=2048"]);
+    command.args(["-print_final_stats=1", "-verbosity=0", "-timeout=200", "-rss_limit_mb=2048"]);
     command.args(["-max_len=4096", &format!("-artifact_prefix={failing}"), &found, &corpus]).args(seeds);
     status(&mut command).map_err(|error| format!("{error}; the input is the newest file in {failing}"))?;
     if options.keep {

@@ -16,6 +16,7 @@ mod fuzz;
 mod interop;
 mod lint;
 mod matrix;
+mod miri;
 mod shell;
 mod size;
 mod table;
@@ -79,6 +80,8 @@ enum Command {
     Browser,
     /// Files of other programs and for them: tests/interop, with Python packages installed below target
     Interop,
+    /// The C library's calls and the kernel's unit tests in Miri, which checks every access to memory
+    Miri,
     /// Fuzz targets of tests/fuzz, each from its committed corpus
     Fuzz(fuzz::Options),
     /// Size, speed and memory, with rival codecs where Python has them
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
         Command::Capi => capi::run(),
         Command::Browser => browser::run(),
         Command::Interop => interop::run(),
+        Command::Miri => miri::run(),
         Command::Fuzz(options) => fuzz::run(&options),
         Command::Bench(options) => bench::run(&options),
     };

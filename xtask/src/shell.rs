@@ -12,14 +12,18 @@ pub(crate) fn cargo(arguments: &[&str]) -> Failures {
 
 /// As [`cargo`], with environment variables set for that run.
 pub(crate) fn cargo_with(arguments: &[&str], environment: &[(&str, &str)]) -> Failures {
-    let line = format!("cargo {}", arguments.join(" "));
+    start("cargo", Command::new(cargo_program()), arguments, environment)
+}
+
+/// As [`cargo_with`], for any program.
+pub(crate) fn run_with(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Failures {
+    start(program, Command::new(program), arguments, environment)
+}
+
+fn start(name: &str, mut command: Command, arguments: &[&str], environment: &[(&str, &str)]) -> Failures {
+    let line = format!("{name} {}", arguments.join(" "));
     eprintln!("$ {line}");
-    let status = Command::new(cargo_program())
-        .args(arguments)
-        .envs(environment.iter().copied())
-        .stdin(Stdio::null())
-        .status();
-    match status {
+    match command.args(arguments).envs(environment.iter().copied()).stdin(Stdio::null()).status() {
         Ok(status) if status.success() => vec![],
         Ok(status) => vec![format!("{line} ({status})")],
         Err(error) => vec![format!("{line}: {error}")],

@@ -20,7 +20,7 @@ pub(crate) fn run() -> Failures {
     for image in &images {
         match measure(image) {
             Ok(flash) => {
-                println!("{:8} {:24} {flash:6} bytes", image.binary, image.profile);
+                println!("{:12} {:24} {flash:6} bytes", image.binary, image.profile);
                 let what = format!("{} ({}), bytes of flash", image.binary, image.profile);
                 failures.extend(image.flash.check(&what, flash));
             }

@@ -15,5 +15,7 @@
     bytes cubic_slice_crop, "v2/cubic_slice_crop.wlc"
     bytes dense_brick_crop, "v2/dense_brick_crop.wlc"
     bytes lattice_brick_crop, "v2/lattice_brick_crop.wlc"
+    bytes tabled_slice_odd, "v2/tabled_slice_odd.wlc"
+    bytes wide_high_u32, "v2/wide_high_u32.wlc"
 
     .section .note.GNU-stack, "", %progbits

@@ -10,6 +10,7 @@
 #include "limits.h"
 #include "rows.h"
 #include "slabs.h"
+#include "tables.h"
 
 /* Near-lossless encoding trains with up to 144,000 elements of scratch; the other calls take far less. */
 #define SCRATCH_LEN (144000 + 3 * GOLDEN_MAX_SAMPLES)
@@ -120,7 +121,7 @@ int main(void)
     for (int i = 0; i < GOLDEN_COUNT; i++) {
         right += check(&goldens[i]);
     }
-    right += rows_check(&tests) + slabs_check(&tests);
+    right += tables_check(&tests) + rows_check(&tests) + slabs_check(&tests);
     right += limits_check(&tests);
     printf("states: codec %lu, training %lu, dense %lu, lattice %lu bytes\n", (unsigned long)sizeof codec,
            (unsigned long)sizeof training, (unsigned long)sizeof dense, (unsigned long)sizeof lattice);

@@ -63,6 +63,30 @@ pub unsafe extern "C" fn wavelift_encode(
     code(encode())
 }
 
+/// Encodes with [`Effort::Wide`], or [`Effort::Tabled`] if `training` is NULL.
+///
+/// # Safety
+/// As [`wavelift_encode`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_encode_tabled(
+    codec: *mut WaveliftCodec,
+    training: *mut WaveliftTraining,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    out: *mut u8,
+    out_len: *mut usize,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    let mut loan = unsafe { Loan::new() };
+    let mut encode = || {
+        let lent = Lent::new(&mut loan, plan, lent, (out, out_len))?;
+        let codec = loan.state(codec)?;
+        let effort = if training.is_null() { Effort::Tabled } else { Effort::Wide(loan.state(training)?) };
+        lent.encode(codec, effort)
+    };
+    code(encode())
+}
+
 /// Encodes with [`Effort::Dense`].
 ///
 /// # Safety

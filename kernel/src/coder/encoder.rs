@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn carries_run_through() {
         // The last symbol drives the interval to the top, where a carry crosses many bytes of 0xFF.
-        for count in 0..60 {
+        for count in (0..60).step_by(if cfg!(miri) { 25 } else { 1 }) {
             let mut symbols = [15; 60];
             symbols[count] = 0;
             let mut bytes = [0; 512];

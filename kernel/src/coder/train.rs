@@ -454,6 +454,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
     fn a_linear_rule_is_found() {
         // Every sample is the mean of west and north, and noise.
         let plan = Plan::new(Wavelet::Haar, Extent::slice(64, 63).unwrap(), 0).unwrap();
@@ -472,6 +473,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
     fn planes_far_apart_do_not_hide_what_they_share() {
         // The last plane is the one before and 100,000, up to noise.
         let plan = Plan::new(Wavelet::Haar, Extent::brick(32, 32, 2).unwrap(), 0).unwrap();
@@ -491,6 +493,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
     fn extremes_do_not_panic() {
         let plan = Plan::new(Wavelet::Haar, Extent::brick(4, 4, 4).unwrap(), 0).unwrap();
         let samples: [i32; 64] = core::array::from_fn(|i| if i % 3 == 0 { i32::MIN } else { i32::MAX });

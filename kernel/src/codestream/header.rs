@@ -244,7 +244,7 @@ impl Fields<'_> {
     fn plan(&mut self, wavelet: Option<Wavelet>, storage: Storage) -> Result<Plan, DecodeError> {
         let levels = self.byte()?;
         let axes = [self.number()?, self.number()?, self.number()?];
-        let extent = Extent::new(axes).map_err(|_| Malformed::Extent)?;
+        let extent = Extent::new(axes).map_err(PlanError::in_header)?;
         let is_lattice = matches!(storage, Storage::Lattice { .. });
         if (levels > 0 && !is_lattice) != wavelet.is_some() {
             return Err(Malformed::Levels.into());
@@ -252,10 +252,7 @@ impl Fields<'_> {
         if is_lattice {
             return Plan::without_wavelet(extent, levels).ok_or(Malformed::Levels.into());
         }
-        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(|error| match error {
-            PlanError::NotBuilt(part) => DecodeError::NotBuilt(part),
-            _ => Malformed::Levels.into(),
-        })
+        Plan::new(wavelet.unwrap_or(NO_WAVELET), extent, levels).map_err(PlanError::in_header)
     }
 }
 

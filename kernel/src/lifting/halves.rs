@@ -54,6 +54,13 @@ impl<'a> Halves<'a> {
         })
     }
 
+    /// The c and the d of one line.
+    #[cfg(feature = "stream")]
+    pub(crate) fn into_line(self) -> (&'a [i32], &'a [i32]) {
+        let high = self.high.get(1..).and_then(|high| high.get(..self.n / 2));
+        (self.low.get(..self.n.div_ceil(2)).unwrap_or_default(), high.unwrap_or_default())
+    }
+
     /// c_i <- update(c_i, \[d_{i-1}, d_i, d_{i+1}\]).
     #[cfg_attr(not(feature = "small"), inline(always))]
     pub(super) fn each_low(&mut self, beyond: Beyond, update: impl Fn(Sample, [Sample; 3]) -> Sample) {

@@ -125,12 +125,21 @@ impl Wavelet {
     #[cfg(feature = "stream")]
     pub(crate) fn lift_row(self, step: usize, direction: Direction, row: &mut [i32], beside: [&[i32]; 3]) {
         match self {
-            Self::Haar => haar::steps().lift_row(step, direction, row, beside),
-            Self::Quadratic => quadratic::steps().lift_row(step, direction, row, beside),
-            Self::Duchaineau => duchaineau::steps().lift_row(step, direction, row, beside),
-            Self::Linear => linear::steps().lift_row(step, direction, row, beside),
-            Self::Cubic => cubic::steps().lift_row(step, direction, row, beside),
-            Self::Quintic => quintic::steps().lift_row(step, direction, row, beside),
+            Self::Haar if cfg!(feature = "haar") => haar::steps().lift_row(step, direction, row, beside),
+            Self::Quadratic if cfg!(feature = "quadratic") => {
+                quadratic::steps().lift_row(step, direction, row, beside)
+            }
+            Self::Duchaineau if cfg!(feature = "duchaineau") => {
+                duchaineau::steps().lift_row(step, direction, row, beside)
+            }
+            Self::Linear if cfg!(feature = "linear") => {
+                linear::steps().lift_row(step, direction, row, beside)
+            }
+            Self::Cubic if cfg!(feature = "cubic") => cubic::steps().lift_row(step, direction, row, beside),
+            Self::Quintic if cfg!(feature = "quintic") => {
+                quintic::steps().lift_row(step, direction, row, beside)
+            }
+            _ => {}
         }
     }
 

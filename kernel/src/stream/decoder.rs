@@ -3,12 +3,12 @@
 use super::bands::Place;
 use super::chunks::ChunkReader;
 use super::inverse::Inverse;
+use super::outgoing::Outgoing;
 use super::plan::{Layout, Role, RowPlan};
 use super::schedule::{Event, Pair, Schedule};
 use super::{MORE, RowCodec, Status, Step};
 use crate::coder::{Coder, Cursor, Decoder, MOST_BYTES, Row, Suspended, WINDOW};
 use crate::error::at_least;
-use crate::memory::copy;
 use crate::{DecodeError, LengthError, Malformed, Slice};
 
 /// Makes rows of a stream whose bytes arrive one after another.
@@ -124,26 +124,30 @@ impl<'a> RowDecoder<'a> {
 
     /// Gives samples of the row that comes out.
     fn give(&mut self, output: &mut [i32]) -> usize {
-        let end = self.layout.out.saturating_add(self.plan.width_at(0));
-        let row = self.memory.get(end.saturating_sub(self.left)..end).unwrap_or_default();
-        let given = row.len().min(output.len());
-        copy(row, output);
-        self.left = self.left.saturating_sub(given);
+        let given = self.left.min(output.len());
+        if given > 0 {
+            let first = self.plan.width_at(0).saturating_sub(self.left);
+            self.outgoing().give(first, output.get_mut(..given).unwrap_or_default());
+            self.left = self.left.saturating_sub(given);
+        }
         given
+    }
+
+    /// The row that comes out.
+    fn outgoing(&mut self) -> Outgoing<'_> {
+        Outgoing::new(&self.plan, self.layout, self.memory)
     }
 
     /// Makes the next row come out, if enough is known.
     fn pull(&mut self) -> bool {
-        let Layout { out, .. } = self.layout;
         if !self.inverse.pull(&self.plan, &self.schedule, self.memory) {
             return false;
         }
-        let width = self.plan.width_at(0);
-        let row = self.memory.get(out..out.saturating_add(width)).unwrap_or_default();
-        if self.plan.sample_type().first_outside(row).is_some() {
-            self.error = Some(Malformed::Sample.into());
+        let plan = self.plan;
+        if self.outgoing().is_inside(&plan) {
+            self.left = plan.width_at(0);
         } else {
-            self.left = width;
+            self.error = Some(Malformed::Sample.into());
         }
         true
     }

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::plan::{MAX_LEVELS, RowPlan};
-use crate::{DecodeError, Malformed, SampleType, Wavelet};
+use crate::{DecodeError, Malformed, PlanError, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
 const VERSION: u8 = 2;
@@ -152,13 +152,13 @@ impl RowPlan {
     ///
     /// # Errors
     /// [`DecodeError::Truncated`] if `bytes` ends first, [`DecodeError::OtherCodec`] if it is the header of a stream
-    /// of slabs; otherwise what is wrong with it.
+    /// of slabs, [`DecodeError::NotBuilt`] if this build lacks its wavelet; otherwise what is wrong with it.
     pub fn parse(bytes: &[u8]) -> Result<(Self, usize), DecodeError> {
         let mut reader = Reader::new(bytes);
         let Fields { sample_type, wavelet, levels } = reader.fields(ROWS)?;
         let (width, strip) = (reader.number()?, reader.number()?);
         let wavelet = wavelet.unwrap_or(Wavelet::Haar);
-        let plan = Self::new(wavelet, width, levels, sample_type).map_err(|_| Malformed::Extent)?;
+        let plan = Self::new(wavelet, width, levels, sample_type).map_err(PlanError::in_header)?;
         match u16::try_from(strip) {
             Ok(strip) if strip > 0 => Ok((plan.with_strip(strip), reader.taken())),
             _ => Err(Malformed::Reserved.into()),

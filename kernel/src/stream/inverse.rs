@@ -1,7 +1,8 @@
 //! The inverse transform, level by level, as coefficients become known.
 
-use super::bands::{Place, copy_within, lift_row};
+use super::bands::{Place, lift_row};
 use super::fronts::{Fronts, Passes};
+use super::outgoing::Outgoing;
 use super::plan::{Role, RowPlan};
 use super::schedule::{LEVELS, Schedule};
 use crate::lifting::Direction;
@@ -58,9 +59,7 @@ impl Inverse {
     /// Brings the next row of samples out, if enough is known.
     pub(super) fn pull(&mut self, plan: &RowPlan, schedule: &Schedule, memory: &mut [i32]) -> bool {
         let layout = plan.layout(Role::Decoder);
-        let low = (layout.low_row, plan.width_at(plan.levels()));
         if plan.levels() == 0 {
-            copy_within(memory, low.0, low.1, layout.out);
             return core::mem::take(&mut self.has_low);
         }
         let mut level = 0;
@@ -75,12 +74,11 @@ impl Inverse {
                 if !core::mem::take(&mut self.has_low) {
                     return false;
                 }
-                self.assemble(level, low.0, plan, schedule, memory);
+                self.assemble(level, layout.low_row, plan, schedule, memory);
                 continue;
             };
             let Some(finer) = level.checked_sub(1) else {
-                copy_within(memory, row, place.width, layout.out);
-                lift_row(plan, Direction::Inverse, layout.scratch, (layout.out, place.width), memory);
+                Outgoing::put(plan, layout, row, memory);
                 return true;
             };
             self.assemble(finer, row, plan, schedule, memory);

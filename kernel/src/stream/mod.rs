@@ -14,9 +14,12 @@ mod error;
 mod fronts;
 mod header;
 mod inverse;
+mod outgoing;
 mod plan;
 mod schedule;
 mod slabs;
+#[cfg(test)]
+mod total;
 
 pub use codec::RowCodec;
 pub use decoder::RowDecoder;

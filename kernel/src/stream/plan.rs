@@ -3,7 +3,7 @@
 use super::fronts::{forward_rows, inverse_rows, lag};
 use crate::extent::to_usize;
 use crate::transform::row_scratch_len;
-use crate::{Extent, PlanError, SampleType, Wavelet};
+use crate::{Extent, Feature, PlanError, SampleType, Wavelet};
 
 /// Levels of a stream, at most.
 pub(super) const MAX_LEVELS: u8 = 31;
@@ -35,7 +35,7 @@ impl RowPlan {
     ///
     /// # Errors
     /// [`PlanError::ZeroExtent`] or [`PlanError::ExtentTooLarge`] for a width without samples, or of 2^31 or more;
-    /// [`PlanError::TooManyLevels`] for more than 31 levels.
+    /// [`PlanError::TooManyLevels`] for more than 31 levels; [`PlanError::NotBuilt`] if this build lacks the wavelet.
     pub const fn new(
         wavelet: Wavelet,
         width: u32,
@@ -47,6 +47,9 @@ impl RowPlan {
         }
         if levels > MAX_LEVELS {
             return Err(PlanError::TooManyLevels { max: MAX_LEVELS });
+        }
+        if levels > 0 && !Feature::Wavelet(wavelet).is_built() {
+            return Err(PlanError::NotBuilt(Feature::Wavelet(wavelet)));
         }
         let wavelet = if levels == 0 { Wavelet::Haar } else { wavelet };
         let strip = STRIP_SAMPLES.div_ceil(width);
@@ -134,12 +137,8 @@ impl RowPlan {
         let north = scratch;
         let above = north.saturating_add(low);
         let low_row = above.saturating_add(low);
-        let out = low_row.saturating_add(low);
-        let total = out.saturating_add(match role {
-            Role::Encoder => 0,
-            Role::Decoder => columns,
-        });
-        let mut layout = Layout { scratch, north, above, low_row, out, first_level: total, total };
+        let total = low_row.saturating_add(low);
+        let mut layout = Layout { scratch, north, above, low_row, first_level: total, total };
         let mut level = 0;
         while level < self.levels {
             layout.total = layout.total.saturating_add(self.level_len(role, level));
@@ -211,8 +210,6 @@ pub(super) struct Layout {
     pub(super) above: usize,
     /// A row of the low-pass part.
     pub(super) low_row: usize,
-    /// A row of samples to come out.
-    pub(super) out: usize,
     pub(super) first_level: usize,
     pub(super) total: usize,
 }

@@ -2,7 +2,7 @@
 //! slices each: slabs.
 
 use super::header::{Fields, Reader, SLABS};
-use crate::{DecodeError, Extent, Header, Malformed, Plan, PlanError, SampleType, Wavelet, max_encoded_len};
+use crate::{DecodeError, Extent, Header, Plan, PlanError, SampleType, Wavelet, max_encoded_len};
 
 mod decoder;
 mod encoder;
@@ -91,22 +91,18 @@ impl SlabPlan {
     ///
     /// # Errors
     /// [`DecodeError::Truncated`] if `bytes` ends first, [`DecodeError::OtherCodec`] if it is the header of a stream
-    /// of rows; otherwise what is wrong with it.
+    /// of rows, [`DecodeError::NotBuilt`] if this build lacks its wavelet; otherwise what is wrong with it.
     pub fn parse(bytes: &[u8]) -> Result<(Self, usize), DecodeError> {
         let mut reader = Reader::new(bytes);
         let Fields { sample_type, wavelet, levels } = reader.fields(SLABS)?;
         let axes = [reader.number()?, reader.number()?, reader.number()?];
-        let extent = Extent::new(axes).map_err(|_| Malformed::Extent)?;
+        let extent = Extent::new(axes).map_err(PlanError::in_header)?;
         let plan = Self::new(wavelet.unwrap_or(Wavelet::Haar), extent, levels, sample_type);
-        let plan = plan.map_err(|error| match error {
-            PlanError::TooManyLevels { .. } => Malformed::Levels,
-            _ => Malformed::Extent,
-        })?;
-        Ok((plan, reader.taken()))
+        Ok((plan.map_err(PlanError::in_header)?, reader.taken()))
     }
 
     /// The header of a stream of such slabs.
-    fn header(&self) -> super::header::Bytes {
+    pub(super) fn header(&self) -> super::header::Bytes {
         let wavelet = (self.plan.levels() > 0).then(|| self.plan.wavelet());
         let fields = Fields { sample_type: self.sample_type, wavelet, levels: self.plan.levels() };
         fields.write(SLABS, &self.plan.extent().axes())

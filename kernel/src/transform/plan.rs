@@ -3,13 +3,15 @@
 use super::lift::{Lifter, Part, scratch_len};
 use crate::error::{at_least, exactly};
 use crate::lifting::Direction;
+#[cfg(feature = "stream")]
+use crate::lifting::Halves;
 use crate::memory::move_within;
 use crate::{Extent, Feature, LengthError, PlanError, Slice, Wavelet};
 
 /// `i32`s of scratch that [`Plan::lift_row`] takes for a row of `width`.
 #[cfg(feature = "stream")]
 pub(crate) const fn row_scratch_len(width: usize) -> usize {
-    scratch_len([width, 1, 1])
+    Halves::group_len(1, width)
 }
 
 /// A wavelet, an extent and a number of levels that the extent allows. Checked once, here: with a plan, only

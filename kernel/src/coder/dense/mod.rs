@@ -403,6 +403,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
     fn what_was_coded_before_does_not_show() {
         let (mut bench, mut next) = (Bench::new(), noise());
         let samples: Vec<_> = (0..16 * 16 * 16).map(|n| n / 7 + (next() % 9).cast_signed()).collect();
@@ -419,22 +420,23 @@ mod tests {
     #[test]
     fn damage_never_panics() {
         let (mut bench, mut next) = (Bench::new(), noise());
-        for (axes, sample_type, bits) in [
+        let kinds = [
+            ([33, 1, 1], SampleType::I16, 14),
             ([9, 7, 5], SampleType::U8, 6),
             ([70, 3, 1], SampleType::I32, 25),
-            ([33, 1, 1], SampleType::I16, 14),
-        ] {
+        ];
+        for (axes, sample_type, bits) in some(kinds, 3) {
             let len: u32 = axes.iter().product();
             let samples: Vec<_> = (0..len).map(|_| (next() % (1 << bits)).cast_signed()).collect();
             let bytes = bench.encode(axes, sample_type, &samples);
             let start = bytes.len().min(20);
-            for place in some(3..bytes.len(), 300) {
-                for flip in [1, 0x80, 0xFF] {
+            for place in some(3..bytes.len(), 15) {
+                for flip in some([1, 0x80, 0xFF], 3) {
                     let mut damaged = bytes.clone();
                     damaged[place] ^= flip;
                     if place >= start
                         || Header::parse(&damaged)
-                            .is_ok_and(|header| header.samples_len(0) < if cfg!(miri) { 500 } else { 10_000 })
+                            .is_ok_and(|header| header.samples_len(0) < if cfg!(miri) { 50 } else { 10_000 })
                     {
                         let _ = bench.decode(&damaged);
                     }

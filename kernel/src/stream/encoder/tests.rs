@@ -62,7 +62,7 @@ const LEVELS_TRIED: usize = 8;
 
 #[test]
 fn coefficients_are_those_of_the_whole_slice() {
-    const SIDES: &[u32] = if cfg!(miri) { &[1, 5, 9] } else { &[1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33] };
+    const SIDES: &[u32] = if cfg!(miri) { &[1, 3] } else { &[1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 31, 33] };
     let mut scratch = samples(1024);
     for wavelet in Wavelet::ALL {
         for (width, height) in

@@ -19,8 +19,8 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match mutation::run(arguments.seed, arguments.count) {
-        Ok(tally) => {
-            println!("{tally}");
+        Ok(tallies) => {
+            println!("{tallies}");
             ExitCode::SUCCESS
         }
         Err(error) => {
