@@ -1,7 +1,7 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
 use super::care::Care;
-use super::fit::{Aim, Fit, Measured};
+use super::fit::{Aim, Fit, MISSED, Measured};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
 use crate::mesh::{PolygonMesh, TriangleMesh};
@@ -10,15 +10,15 @@ use crate::wrap::{self, Lines, WrapOptions, Wrapped, settle, wrap};
 
 /// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
 const RMS: f64 = 0.05;
-/// And a place of it that is at most so far.
-const MOST: f64 = 1.5;
+/// And a place of it that is at most so far: what is farther counts as missed.
+const MOST: f64 = MISSED;
 /// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
 /// … than so many times the root mean square.
 const FAR: f64 = 2.0;
 /// Components are placed by way of the collapses where that leaves less than this of what their distances are too large by.
 const WORTH: f64 = 0.7;
-/// No further round unless the last one left less than this of what distances are too large by.
+/// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
 const LEFT: f64 = 0.9;
 
 /// What a surface is made of.
@@ -46,26 +46,26 @@ impl Making<'_> {
         let mut care = Care::none(self.contour, fitted.base.positions.len());
         let mut measured = measured;
         let unit = self.unit(&aim);
-        // By how many times what fits a surface is off, or the farthest that is lost of its target.
-        let excess =
-            |fit: &Fit| (fit.rms() / (RMS * unit)).max(1.0) * (fit.backward.most / (MOST * unit)).max(1.0);
+        let mut least = excesses(&measured.fit, unit);
         for _ in 0..self.options.rounds {
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
             let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
-            if excess(&measured.fit) <= 1.0 || !care.take(&aim, &measured, off) {
+            if least == [1.0; 2] || !care.take(&aim, &measured, off) {
                 break;
             }
             self.constraints.most = care.most(self.options.levels);
             let next;
             (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let left = excess(&next.fit) / excess(&fitted.fit);
-            if left < 1.0 {
+            let found = excesses(&next.fit, unit);
+            let all = |fit: &Fit| excesses(fit, unit).iter().product::<f64>();
+            if all(&next.fit) < all(&fitted.fit) {
                 fitted = next;
             }
-            if left > LEFT {
+            if (0..2).all(|one| found[one] > LEFT * least[one]) {
                 break;
             }
+            least = [0, 1].map(|one| least[one].min(found[one]));
         }
         Ok(fitted)
     }
@@ -139,6 +139,11 @@ impl Making<'_> {
             _ => Ok((wrapped, measured)),
         }
     }
+}
+
+/// By how many times what fits a surface is off: its root mean square, and the farthest that is lost of its target.
+fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
+    [fit.rms() / (RMS * unit), fit.backward.most / (MOST * unit)].map(|excess| excess.max(1.0))
 }
 
 /// Mean length of the sides of triangles.
