@@ -10,6 +10,7 @@ mod attract;
 mod border;
 mod check;
 mod cluster;
+mod ease;
 mod error;
 mod fit;
 mod goal;

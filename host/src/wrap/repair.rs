@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use super::cluster::{self, Cluster};
+use super::ease::{SOUND, eased};
 use super::goal::Goal;
 use super::level::{Level, Space};
 use super::quality::{self, Inverted};
@@ -28,34 +29,39 @@ const SHORTEST_STEP: f64 = 0.02;
 /// How far from the surface a vertex may go, in cells, if it is not farther already.
 const NEAR: f64 = 0.1;
 
+/// Rings of faces around the folds that are left which are eased, one attempt after the other.
+const EASED: [usize; 4] = [1, 2, 3, 5];
+
 /// Turns faces back where possible; counts of inverted faces before and after.
 ///
 /// Clusters of folds are mended in parallel, each by itself, so that the result does not depend on threads.
 /// Cost: two passes over the mesh for each attempt, and about 10 µs a sweep for each vertex around a fold.
 pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted; 2] {
     let (mut bad, before) = quality::inverted(level, space, goal, LEAST_CORNER);
-    let mut after = before;
     for (rings, sweeps) in ATTEMPTS {
-        if bad.is_empty() {
-            break;
+        if !bad.is_empty() {
+            mend(level, &bad, rings, |cluster| Patient::new(cluster, space, goal).mended(sweeps));
+            (bad, _) = quality::inverted(level, space, goal, LEAST_CORNER);
         }
-        let clusters = cluster::around(level, &bad, rings);
-        let mended: Vec<Cluster> = clusters
-            .into_par_iter()
-            .map(|cluster| {
-                let mut patient = Patient::new(cluster, space, goal);
-                patient.mend(sweeps);
-                patient.cluster
-            })
-            .collect();
-        for cluster in mended {
-            for (&vertex, &place) in cluster.vertices[..cluster.movable].iter().zip(&cluster.positions) {
-                level.positions[vertex as usize] = place;
-            }
+    }
+    let (mut bad, mut after) = quality::inverted(level, space, goal, SOUND);
+    for rings in EASED {
+        if !bad.is_empty() {
+            mend(level, &bad, rings, |cluster| eased(cluster, space, goal));
+            (bad, after) = quality::inverted(level, space, goal, SOUND);
         }
-        (bad, after) = quality::inverted(level, space, goal, LEAST_CORNER);
     }
     [before, after]
+}
+
+/// Mends the clusters around faces, all at once.
+fn mend(level: &mut Level, bad: &[u32], rings: usize, mended: impl Fn(Cluster) -> Cluster + Sync + Send) {
+    let clusters: Vec<Cluster> = cluster::around(level, bad, rings).into_par_iter().map(mended).collect();
+    for cluster in clusters {
+        for (&vertex, &place) in cluster.vertices[..cluster.movable].iter().zip(&cluster.positions) {
+            level.positions[vertex as usize] = place;
+        }
+    }
 }
 
 /// A cluster under repair.
@@ -82,7 +88,7 @@ impl<'a> Patient<'a> {
     }
 
     /// Sweeps over the vertices until all corners are sound or nothing moves.
-    fn mend(&mut self, sweeps: usize) {
+    fn mended(mut self, sweeps: usize) -> Cluster {
         for _ in 0..sweeps {
             let mut moved = false;
             for vertex in 0..self.cluster.movable {
@@ -92,6 +98,7 @@ impl<'a> Patient<'a> {
                 break;
             }
         }
+        self.cluster
     }
 
     fn is_sound(&self) -> bool {
