@@ -19,7 +19,7 @@ const SWEEPS: usize = 3;
 /// How far each sweep moves a vertex towards the middle of its neighbours.
 const RELAXATION: f64 = 0.5;
 /// How far from the surface a vertex may go, in cells, if it is not farther already.
-const FARTHEST: f64 = 0.3;
+pub(super) const FARTHEST: f64 = 0.5;
 /// Parts of the way back to the surface that are tried.
 const BACK: [f64; 3] = [1.0, 0.5, 0.25];
 /// Sweeps back.
