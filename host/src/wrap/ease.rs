@@ -18,38 +18,34 @@ const LOOKS: usize = 60;
 const SWEEPS: usize = 3;
 /// How far each sweep moves a vertex towards the middle of its neighbours.
 const RELAXATION: f64 = 0.5;
-/// How far from the surface a vertex may go, in cells, if it is not farther already.
+/// How far from the surface a vertex may go, in cells; what is farther already stays.
 pub(super) const FARTHEST: f64 = 0.5;
 /// Parts of the way back to the surface that are tried.
 const BACK: [f64; 3] = [1.0, 0.5, 0.25];
 /// Sweeps back.
-const RETURNS: usize = 2;
+const RETURNS: usize = 3;
 
 /// Eases the folds of a cluster; it is left as it was if that helps none.
 pub(super) fn eased(cluster: Cluster, space: &Space, goal: &Goal) -> Cluster {
-    let mut patch = Patch { cluster, space, goal, outwards: Vec::new() };
-    patch.look();
-    let mut least = patch.folded();
-    let mut best = patch.cluster.positions.clone();
-    let allowed: Vec<f64> = best.iter().map(|&place| space.distance_in_cells(place).max(FARTHEST)).collect();
-    let before = least;
-    for _ in 0..LOOKS {
-        (0..SWEEPS).for_each(|_| patch.sweep(&allowed));
-        patch.look();
-        let folded = patch.folded();
-        if folded < least {
-            (least, best) = (folded, patch.cluster.positions.clone());
-        }
-        if folded == 0 {
-            break;
-        }
+    less_folded(cluster, space, goal, |cluster| Patch::new(cluster, space, goal).relaxed())
+}
+
+/// Changes a cluster if that leaves fewer folds, and brings it back to the surface as far as it stays so.
+pub(super) fn less_folded(
+    cluster: Cluster,
+    space: &Space,
+    goal: &Goal,
+    change: impl FnOnce(Cluster) -> Cluster,
+) -> Cluster {
+    let before = Patch::new(cluster, space, goal);
+    let (folded, positions) = (before.folded(), before.cluster.positions.clone());
+    let mut after = Patch::new(change(before.cluster), space, goal);
+    if after.folded() < folded {
+        (0..RETURNS).for_each(|_| after.go_back());
+        after.cluster
+    } else {
+        Cluster { positions, ..after.cluster }
     }
-    patch.cluster.positions = best;
-    if least < before {
-        patch.look();
-        (0..RETURNS).for_each(|_| patch.go_back());
-    }
-    patch.cluster
 }
 
 struct Patch<'a> {
@@ -60,7 +56,33 @@ struct Patch<'a> {
     outwards: Vec<Point>,
 }
 
-impl Patch<'_> {
+impl<'a> Patch<'a> {
+    fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
+        let mut patch = Self { cluster, space, goal, outwards: Vec::new() };
+        patch.look();
+        patch
+    }
+
+    /// Relaxes the vertices near the surface, off it, to where the fewest folds are left.
+    fn relaxed(mut self) -> Cluster {
+        let near = |vertex: usize| self.space.distance_in_cells(self.cluster.positions[vertex]) <= FARTHEST;
+        let free: Vec<bool> =
+            (0..self.cluster.movable).map(|vertex| near(vertex) && self.is_free(vertex)).collect();
+        let (mut least, mut best) = (self.folded(), self.cluster.positions.clone());
+        for _ in 0..LOOKS {
+            (0..SWEEPS).for_each(|_| self.sweep(&free));
+            self.look();
+            let folded = self.folded();
+            if folded < least {
+                (least, best) = (folded, self.cluster.positions.clone());
+            }
+            if folded == 0 {
+                break;
+            }
+        }
+        Cluster { positions: best, ..self.cluster }
+    }
+
     fn outwards_at(&self, vertex: usize) -> Point {
         self.goal.outwards(self.cluster.positions[vertex], self.cluster.normals[vertex], self.space)
     }
@@ -94,19 +116,19 @@ impl Patch<'_> {
         }
     }
 
-    /// Moves all vertices at once towards the middles of their neighbours.
-    fn sweep(&mut self, allowed: &[f64]) {
+    /// Moves all vertices that are free at once towards the middles of their neighbours.
+    fn sweep(&mut self, free: &[bool]) {
         let positions = &self.cluster.positions;
-        let moved = |vertex: usize| {
+        let moved = |(vertex, &free): (usize, &bool)| {
             let (place, ends) = (positions[vertex], &self.cluster.neighbours[vertex]);
-            if !self.is_free(vertex) {
+            if !free {
                 return place;
             }
             let mean = ends.iter().map(|&end| positions[end as usize]).sum::<Point>() / ends.len() as f64;
             let next = self.space.border.hold(self.cluster.sides[vertex], place.lerp(mean, RELAXATION));
-            if self.space.distance_in_cells(next) > allowed[vertex] { place } else { next }
+            if self.space.distance_in_cells(next) > FARTHEST { place } else { next }
         };
-        let next: Vec<Point> = (0..self.cluster.movable).map(moved).collect();
+        let next: Vec<Point> = free.iter().enumerate().map(moved).collect();
         self.cluster.positions[..next.len()].copy_from_slice(&next);
     }
 

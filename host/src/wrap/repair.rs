@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::cluster::{self, Cluster};
-use super::ease::{FARTHEST, SOUND, eased};
+use super::ease::{FARTHEST, SOUND, eased, less_folded};
 use super::goal::Goal;
 use super::level::{Level, Space};
 use super::quality::{self, Inverted};
@@ -53,7 +53,8 @@ pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted
         bad = quality::bad_of(level, space, goal, &tried, SOUND);
     }
     for (rings, sweeps) in LOOSE {
-        let tried = mend(level, &bad, rings, |cluster| Patient::loose(cluster, space, goal).mended(sweeps));
+        let loose = |cluster| Patient::loose(cluster, space, goal).mended(sweeps);
+        let tried = mend(level, &bad, rings, |cluster| less_folded(cluster, space, goal, loose));
         bad = quality::bad_of(level, space, goal, &tried, SOUND);
     }
     [before, quality::inverted(level, space, goal, SOUND).1]
@@ -162,7 +163,11 @@ impl<'a> Patient<'a> {
         }
         let kept = (self.cluster.positions[vertex], self.outwards[vertex]);
         let (held, sides) = (self.is_held(vertex), self.cluster.sides[vertex]);
-        let near = self.space.distance_in_cells(kept.0).max(if held { NEAR } else { FARTHEST });
+        let off = self.space.distance_in_cells(kept.0);
+        if self.loose && off > FARTHEST {
+            return false;
+        }
+        let near = if held { off.max(NEAR) } else { FARTHEST };
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
             let place = match held {
