@@ -22,7 +22,7 @@ pub(crate) struct Args {
     input: PathBuf,
     /// Mesh to write: .ply, .obj, .stl, .off, .gltf or .glb
     output: PathBuf,
-    /// Level to write, 0 being the base mesh; only what it takes is decoded [default: the finest]
+    /// Level to write, 0 being the base mesh: the vertices that it has, where the finest mesh has them [default: the finest]
     #[arg(long, value_name = "L")]
     level: Option<u32>,
     /// Reads no more than the first N bytes
@@ -34,7 +34,8 @@ pub(crate) struct Args {
     /// Refuses surfaces of more vertices than this, each of which takes about 100 bytes of memory
     #[arg(long, value_name = "N", default_value_t = Limits::default().vertices)]
     most_vertices: u64,
-    /// Moves vertices to where endless bicubic subdivision would
+    /// Moves vertices to where endless bicubic subdivision of what the wavelets leave at the level would; nothing is
+    /// decoded that only finer levels need
     #[arg(long)]
     limit: bool,
 }
@@ -47,10 +48,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_other_than_mesh(&args.output)?;
     let bytes = read_bytes(&args.input, args.bytes, &[&args.output])?;
     let accepted = Limits { vertices: args.most_vertices };
-    let level = match args.level {
-        Some(level) => level,
-        None => surface_codec::levels(&bytes).map_err(|error| bad(&args.input, error))?,
-    };
+    let levels = surface_codec::levels(&bytes).map_err(|error| bad(&args.input, error))?;
+    let level = args.level.unwrap_or(levels);
+    // Where vertices end up in the finest mesh takes all levels.
+    let decoded = if args.limit { level } else { levels.max(level) };
     let refused = |error| match error {
         DecodeError::Region { .. } | DecodeError::Level { .. } => {
             Failure::at(&args.input, Fault::Usage, error)
@@ -59,11 +60,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let (surface, faces) = match args.region {
         None => {
-            let surface = surface_codec::decode_level(&bytes, level, accepted).map_err(refused)?;
+            let surface = surface_codec::decode_level(&bytes, decoded, accepted).map_err(refused)?;
             let faces = 0..surface.base.len();
             (surface, faces)
         }
-        Some(region) => surface_codec::decode_region(&bytes, region, level, accepted).map_err(refused)?,
+        Some(region) => surface_codec::decode_region(&bytes, region, decoded, accepted).map_err(refused)?,
     };
     let mut mesh = surface.level(level);
     if args.limit {
