@@ -263,7 +263,7 @@ mod tests {
             build(Source::Isosurface(&field, 0.0), &options, &mut |_, _| ()).unwrap()
         };
         let (coarse, fine) = (build(0), build(3));
-        assert!(coarse.fit.backward.most > MISSED && !coarse.fit.missed.is_empty(), "{:?}", coarse.fit);
+        assert!(coarse.fit.backward.rms > 0.1, "{:?}", coarse.fit);
         assert!(fine.fit.rms() < 0.03 && fine.fit.missed.is_empty(), "{:?}", fine.fit);
         let report = Report::of(&fine.wrapped.surface.level(2));
         assert_eq!((report.genus(), report.components.len(), report.is_closed()), (Some(0), 4, true));

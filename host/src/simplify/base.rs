@@ -10,8 +10,8 @@ pub struct BaseMesh {
     pub mesh: PolygonMesh,
     /// The largest error that an edge collapse was taken for, in units of the positions.
     pub error: f64,
-    /// How the triangles were collapsed that its polygons are made of.
-    pub history: History,
+    /// How the triangles were collapsed that its polygons are made of, if that was to be recorded.
+    pub history: Option<History>,
 }
 
 /// Makes the base mesh of a manifold, with the topology, the boundary and the features of the triangles.

@@ -48,8 +48,8 @@ pub struct Collapsed {
     pub features: Features,
     /// The largest error that a collapse was taken for, in units of the positions.
     pub error: f64,
-    /// How it came about.
-    pub history: History,
+    /// How it came about, if that was to be recorded.
+    pub history: Option<History>,
 }
 
 /// Collapses edges of a manifold, the least harmful first, until `target` is met or no edge may be collapsed.
@@ -63,7 +63,7 @@ pub struct Collapsed {
 /// # Errors
 /// [`SimplifyError`], where the mesh is no oriented manifold, or features are not of it.
 ///
-/// Cost: about 1.4 microseconds a triangle; 60 bytes a triangle, and 250 a vertex for the history.
+/// Cost: about 1.4 microseconds a triangle; 60 bytes a triangle, and 250 a vertex if collapses are recorded.
 pub fn collapse_edges(
     mesh: &TriangleMesh,
     constraints: &Constraints,
@@ -77,6 +77,7 @@ pub fn collapse_edges(
     let limit = target.error * per_unit;
     let parts = Parts::new(&surface.vertices, &surface.corners);
     let mut collapse = Collapse::new(surface, parts, per_unit, limit);
+    collapse.history = constraints.recorded.then(History::default);
     while collapse.vertices / (SHARE * MARGIN) >= target.vertices.max(LARGE) && collapse.windows(limit) {
         let Collapse { surface, mut parts, mut names, history, error, .. } = collapse;
         parts.compact(&surface.vertices);
@@ -89,7 +90,9 @@ pub fn collapse_edges(
     let Collapse { surface, mut names, mut history, error, .. } = collapse;
     names.compact(&surface);
     let (mesh, features) = surface.into_mesh();
-    history.end(names, &mesh.triangles);
+    if let Some(history) = &mut history {
+        history.end(names, &mesh.triangles);
+    }
     Ok(Collapsed { mesh, features, error: error / per_unit, history })
 }
 
@@ -98,7 +101,7 @@ struct Collapse {
     parts: Parts,
     queue: BucketQueue,
     names: Names,
-    history: History,
+    history: Option<History>,
     /// One over the unit of errors.
     per_unit: f64,
     /// Sides that may go into the queue, and the largest error.
@@ -115,8 +118,8 @@ impl Collapse {
         let queue = BucketQueue::new(surface.corners.len());
         let vertices = surface.vertices.iter().filter(|vertex| vertex.leaving != NONE).count();
         let names = Names::new(surface.vertices.len(), surface.corners.len() as usize / 3);
-        let history = History::default();
-        Self { surface, parts, queue, names, history, per_unit, window: 0..0, limit, vertices, error: 0.0 }
+        let (history, window) = (None, 0..0);
+        Self { surface, parts, queue, names, history, per_unit, window, limit, vertices, error: 0.0 }
     }
 
     /// Collapses edges of small error window by window; tells whether that was worth it.
@@ -219,7 +222,9 @@ impl Collapse {
                 Place::Between => ends[0],
             }
         };
-        self.history.record(&self.surface, &self.names, side);
+        if let Some(history) = &mut self.history {
+            history.record(&self.surface, &self.names, side);
+        }
         let merged = self.surface.collapse(side, merged);
         self.vertices -= 1;
         self.error = self.error.max(candidate.error);

@@ -41,6 +41,8 @@ pub struct Constraints {
     pub border: Option<Grid>,
     /// How many vertices, at most, one may stand for that is made of each vertex and others. Empty where any number may.
     pub most: Vec<u32>,
+    /// Whether collapses are recorded, so that places on what is left can be led back: about 250 bytes each.
+    pub recorded: bool,
 }
 
 /// When to stop.

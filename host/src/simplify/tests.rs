@@ -304,11 +304,13 @@ fn shaken_square(size: u32) -> TriangleMesh {
 fn places_cover_a_flat_mesh_once() {
     let mesh = shaken_square(40);
     let target = Target { vertices: 40, error: NO_LIMIT };
-    let BaseMesh { mesh: base, history, .. } = base_mesh(&mesh, &Constraints::default(), target).unwrap();
+    assert!(base_mesh(&mesh, &Constraints::default(), target).unwrap().history.is_none());
+    let recorded = Constraints { recorded: true, ..Constraints::default() };
+    let BaseMesh { mesh: base, history, .. } = base_mesh(&mesh, &recorded, target).unwrap();
     assert!(base.positions.len() < 200, "{}", base.positions.len());
     let levels = 4;
     let mut finest = SubdivisionSurface::from(base.clone());
-    finest.positions = history.places(&mesh, &base, levels);
+    finest.positions = history.unwrap().places(&mesh, &base, levels);
     finest.levels = levels;
     let finest = finest.level(levels);
     let (mut whole, mut over) = (0.0, 0);

@@ -5,7 +5,7 @@ use wavelift_kernel::bits::BitDecoder;
 use super::base_segment::{code_connectivity, code_depths, code_features, code_points};
 use super::error::DecodeError;
 use super::header::Header;
-use super::planes::{Cut, Depths, Scan, Triple};
+use super::planes::{Cut, Depths, Part, Scan, Triple};
 use super::rebuild::Shape;
 use super::regions::Regions;
 use crate::mesh::Features;
@@ -33,8 +33,32 @@ impl Default for Limits {
 /// Cost: about 3 µs a vertex of the finest mesh; memory as [`Limits`] says.
 pub fn decode(bytes: &[u8], limits: Limits) -> Result<SubdivisionSurface, DecodeError> {
     let mut file = File::open(bytes, limits)?;
-    let all: Vec<usize> = (0..file.header.parts.len()).collect();
-    file.surface(&all)
+    let (all, level) = (file.all(), file.header.levels);
+    file.surface(&all, level)
+}
+
+/// Decodes a level, 0 being the base mesh, and of coefficients no more than it takes: the surface that is returned has so
+/// many levels, and the control points that the wavelets leave at this one, which say on the whole where the surface is, and
+/// not where the vertices are that finer levels keep. A file by regions is read up to the end of what these share for levels
+/// up to 2; any lossless file up to the last bit of the level. Other files are read up to the last plane.
+///
+/// # Errors
+/// As [`decode`], and [`DecodeError::Level`].
+///
+/// Cost: up to half that of [`decode`] where that ends early; memory for the connectivity of all levels.
+pub fn decode_level(bytes: &[u8], level: u32, limits: Limits) -> Result<SubdivisionSurface, DecodeError> {
+    let mut file = File::open(bytes, limits)?;
+    file.check_level(level)?;
+    let all = file.all();
+    file.surface(&all, level)
+}
+
+/// The finest level of a file.
+///
+/// # Errors
+/// What is wrong with the header.
+pub fn levels(bytes: &[u8]) -> Result<u32, DecodeError> {
+    Ok(Header::parse(bytes)?.0.levels)
 }
 
 /// Number of regions of a file; none if it was not coded by regions.
@@ -45,19 +69,21 @@ pub fn regions(bytes: &[u8]) -> Result<usize, DecodeError> {
     Ok(Header::parse(bytes)?.0.regions())
 }
 
-/// Decodes what a region needs: its faces of the base mesh, in the range that is returned too, are as the whole file makes
-/// them; the rest of the surface is coarse.
+/// Decodes what a level of a region needs, as [`decode_level`] does: its faces of the base mesh, in the range that is returned
+/// too, are as the whole file makes them; the rest of the surface is coarse.
 ///
 /// # Errors
-/// As [`decode`], and [`DecodeError::Region`].
+/// As [`decode_level`], and [`DecodeError::Region`].
 ///
 /// Cost: coding only of the region and its neighbours, but memory and transforms of all.
 pub fn decode_region(
     bytes: &[u8],
     region: usize,
+    level: u32,
     limits: Limits,
 ) -> Result<(SubdivisionSurface, std::ops::Range<usize>), DecodeError> {
     let mut file = File::open(bytes, limits)?;
+    file.check_level(level)?;
     let regions = match &file.regions {
         Some(regions) if region < regions.len() => regions,
         other => {
@@ -70,7 +96,7 @@ pub fn decode_region(
     let mut needed = vec![0];
     needed.extend(regions.with_neighbours(&file.surface.base, region).iter().map(|region| region + 1));
     let faces = regions.faces(region);
-    Ok((file.surface(&needed)?, faces))
+    Ok((file.surface(&needed, level)?, faces))
 }
 
 /// A file whose base mesh is read.
@@ -119,8 +145,20 @@ impl<'a> File<'a> {
         Ok(Self { header, rest: &bytes[end..], hierarchy, depths, regions, numbers, surface })
     }
 
-    /// The surface from some of the parts.
-    fn surface(&mut self, needed: &[usize]) -> Result<SubdivisionSurface, DecodeError> {
+    /// Refuses a level that there is not.
+    fn check_level(&self, level: u32) -> Result<(), DecodeError> {
+        let levels = self.header.levels;
+        if level <= levels { Ok(()) } else { Err(DecodeError::Level { asked: level, levels }) }
+    }
+
+    /// All parts.
+    fn all(&self) -> Vec<usize> {
+        (0..self.header.parts.len()).collect()
+    }
+
+    /// A level of the surface from some of the parts.
+    fn surface(&mut self, needed: &[usize], level: u32) -> Result<SubdivisionSurface, DecodeError> {
+        let steps = level as usize;
         let mut cuts = Vec::new();
         let mut start = 0;
         for (index, part) in super::parts(&self.hierarchy, self.regions.as_ref()).enumerate() {
@@ -128,7 +166,9 @@ impl<'a> File<'a> {
             let bytes = &self.rest[start.min(self.rest.len())..];
             let bytes = &bytes[..bytes.len().min(segment.len as usize)];
             start = start.saturating_add(segment.len as usize);
-            if !needed.contains(&index) {
+            // What only finer steps have a part in.
+            let is_finer = !part.base && part.steps.start >= steps;
+            if is_finer || !needed.contains(&index) {
                 cuts.push(Cut::NONE);
                 continue;
             }
@@ -137,16 +177,17 @@ impl<'a> File<'a> {
                 return Err(DecodeError::Checksum { part: "part of coefficients" });
             }
             let coder = if is_whole { BitDecoder::new(bytes) } else { BitDecoder::of_prefix(bytes) };
+            let part = Part { until: steps, ..part };
             let scan = Scan::new(coder, &self.hierarchy, &self.depths, part, (&mut self.numbers, None));
             cuts.push(scan.run().1);
         }
         let unknown = |vertex: usize, component: usize| self.unknown(&cuts, vertex, component);
-        let shape = Shape { header: &self.header, hierarchy: &self.hierarchy };
+        let shape = Shape { header: &self.header, hierarchy: &self.hierarchy, level: steps };
         let positions = shape.points(&self.numbers, &unknown);
         if !positions.iter().all(|point| point.is_finite()) {
             return Err(DecodeError::Malformed { what: "its coordinates are too large" });
         }
-        Ok(SubdivisionSurface { positions, ..self.surface.clone() })
+        Ok(SubdivisionSurface { positions, levels: level, ..self.surface.clone() })
     }
 
     fn unknown(&self, cuts: &[Cut], vertex: usize, component: usize) -> u32 {

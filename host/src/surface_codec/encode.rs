@@ -162,8 +162,8 @@ impl<'a> Encoder<'a> {
 
     fn quantized(&self, step: f64) -> Result<Quantized, EncodeError> {
         let header = Header { step, ..self.header.clone() };
-        let (numbers, points) =
-            Shape { header: &header, hierarchy: self.hierarchy }.quantize(&self.coefficients)?;
+        let shape = Shape { header: &header, hierarchy: self.hierarchy, level: self.hierarchy.steps().len() };
+        let (numbers, points) = shape.quantize(&self.coefficients)?;
         if !points.iter().all(|point| point.is_finite()) {
             return Err(EncodeError::Precision { asked: step });
         }

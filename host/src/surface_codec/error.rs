@@ -96,6 +96,14 @@ pub enum DecodeError {
         /// The limit.
         limit: u64,
     },
+    /// A level is asked for that there is not.
+    #[error("there are levels 0, the base mesh, to {levels}: there is no level {asked}")]
+    Level {
+        /// Which was asked for.
+        asked: u32,
+        /// The finest.
+        levels: u32,
+    },
     /// A region is asked for that there is not.
     #[error("there are {regions} regions, and region {asked} is asked for")]
     Region {

@@ -26,7 +26,7 @@ mod tests;
 
 use std::num::NonZeroU32;
 
-pub use decode::{Limits, decode, decode_region, regions};
+pub use decode::{Limits, decode, decode_level, decode_region, levels, regions};
 pub use deviation::Deviation;
 pub use encode::{Encoded, arranged, encode};
 pub use error::{DecodeError, EncodeError};
@@ -77,12 +77,13 @@ impl Settings {
 fn parts<'a>(hierarchy: &Hierarchy, regions: Option<&'a Regions>) -> impl Iterator<Item = Part<'a>> {
     let steps = hierarchy.steps().len();
     let shared = if regions.is_some() { Regions::shared_steps(hierarchy) } else { steps };
-    let first = Part { base: true, steps: 0..shared, region: None };
+    let first = Part { base: true, steps: 0..shared, region: None, until: steps };
     let rest = regions.into_iter().flat_map(move |regions| {
         (0..regions.len() as u32).map(move |region| Part {
             base: false,
             steps: shared..steps,
             region: Some((regions, region)),
+            until: steps,
         })
     });
     std::iter::once(first).chain(rest)

@@ -49,6 +49,13 @@ impl Depths {
         let steps = steps.map(|(bits, shift)| bits.iter().max().copied().unwrap_or(0) as u32 + shift);
         steps.max().unwrap_or(0).max(self.base_bits + self.base_shift)
     }
+
+    /// The last plane that holds something of a part that is asked for.
+    fn last_plane(&self, part: &Part) -> u32 {
+        let steps = self.shifts[part.steps.start..part.steps.end.min(part.until)].iter().copied();
+        let base = (part.base && self.base_bits > 0).then_some(self.base_shift);
+        steps.chain(base).min().unwrap_or(self.planes())
+    }
 }
 
 /// Up to where coefficients are known: all that come before this in the plane, and all planes above.
@@ -79,6 +86,8 @@ pub(super) struct Part<'a> {
     pub(super) steps: Range<usize>,
     /// The regions, and which of them.
     pub(super) region: Option<(&'a Regions, u32)>,
+    /// Only steps before this one are asked for: nothing is coded behind their last bit.
+    pub(super) until: usize,
 }
 
 /// What either direction works on.
@@ -112,22 +121,25 @@ impl<'a, C: Ending> Scan<'a, C> {
 
     /// Codes all planes, and tells how far it came.
     pub(super) fn run(mut self) -> (C, Cut) {
-        for plane in (0..self.depths.planes()).rev() {
-            if let Err(Ended(vertex, component)) = self.plane(plane) {
+        let last = self.depths.last_plane(&self.part);
+        for plane in (last..self.depths.planes()).rev() {
+            let steps = if plane == last { self.part.until } else { usize::MAX };
+            if let Err(Ended(vertex, component)) = self.plane(plane, steps) {
                 return (self.coder, Cut { plane, vertex, component });
             }
         }
         (self.coder, Cut::NONE)
     }
 
-    fn plane(&mut self, plane: u32) -> Result<(), Ended> {
+    /// A plane of the steps before `until`.
+    fn plane(&mut self, plane: u32, until: usize) -> Result<(), Ended> {
         if self.part.base
             && let Some(place) = plane.checked_sub(self.depths.base_shift)
             && place < self.depths.base_bits
         {
             self.base(place)?;
         }
-        for step in self.part.steps.clone() {
+        for step in self.part.steps.start..self.part.steps.end.min(until) {
             if let Some(place) = plane.checked_sub(self.depths.shifts[step])
                 && self.depths.bits[step].iter().any(|&bits| place < bits as u32)
             {

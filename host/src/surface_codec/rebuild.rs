@@ -17,10 +17,12 @@ pub(super) type Unknown<'a> = &'a dyn Fn(usize, usize) -> u32;
 pub(super) struct Shape<'a> {
     pub(super) header: &'a Header,
     pub(super) hierarchy: &'a Hierarchy,
+    /// The level whose points are rebuilt.
+    pub(super) level: usize,
 }
 
 impl Shape<'_> {
-    /// Points of the finest mesh from numbers as far as they are known.
+    /// Points of the level from numbers as far as they are known.
     pub(super) fn points(&self, numbers: &[Triple], unknown: Unknown<'_>) -> Vec<Point> {
         if self.header.lossless {
             return self.integers(numbers, unknown);
@@ -65,7 +67,7 @@ impl Shape<'_> {
     ) -> Option<Vec<Point>> {
         let quantizer = Quantizer::new(self.header);
         let mut points = base;
-        for (step, each) in self.hierarchy.steps().iter().enumerate() {
+        for (step, each) in self.hierarchy.steps()[..self.level].iter().enumerate() {
             let first = points.len();
             for (place, frame) in frames(each, &points).iter().enumerate() {
                 let steps = quantizer.steps(self.hierarchy, step, place);
@@ -78,7 +80,7 @@ impl Shape<'_> {
 
     fn base_points(&self, numbers: &[Triple], unknown: Unknown<'_>) -> Vec<Point> {
         let step = Quantizer::new(self.header).base;
-        let mut points = Vec::with_capacity(self.hierarchy.finest_vertices());
+        let mut points = Vec::with_capacity(self.hierarchy.vertices(self.level));
         for (vertex, number) in numbers[..self.hierarchy.vertices(0)].iter().enumerate() {
             let coordinate = |axis: usize| middle(number[axis], unknown(vertex, axis)) * step;
             points.push(Point::new(coordinate(0), coordinate(1), coordinate(2)));
@@ -89,7 +91,7 @@ impl Shape<'_> {
     /// Points from integer coefficients; those not wholly known are taken for their middle.
     fn integers(&self, numbers: &[Triple], unknown: Unknown<'_>) -> Vec<Point> {
         let base = self.hierarchy.vertices(0);
-        let mut whole: Vec<Triple> = numbers.to_vec();
+        let mut whole: Vec<Triple> = numbers[..self.hierarchy.vertices(self.level)].to_vec();
         for (vertex, numbers) in whole.iter_mut().enumerate() {
             for (axis, number) in numbers.iter_mut().enumerate() {
                 let half = 1 << unknown(vertex, axis).min(30) >> 1;
@@ -100,11 +102,13 @@ impl Shape<'_> {
                 }
             }
         }
-        lossless::inverse(self.header.basis, self.hierarchy, &mut whole);
-        let unit = self.header.step;
-        whole
-            .iter()
-            .map(|numbers| Point::from_array(numbers.map(|number| f64::from(number) * unit)))
-            .collect()
+        let Self { header, hierarchy, level } = *self;
+        lossless::inverse_to_level(header.basis, hierarchy, level, &mut whole);
+        let point = |(vertex, numbers): (usize, &Triple)| {
+            let power = lossless::unit_of(header.basis, hierarchy, level, vertex);
+            let unit = header.step * 2_f64.powi(power as i32);
+            Point::from_array(numbers.map(|number| f64::from(number) * unit))
+        };
+        whole.iter().enumerate().map(point).collect()
     }
 }

@@ -184,6 +184,57 @@ fn coordinates_that_overflow_are_refused_on_both_ways() {
 }
 
 #[test]
+fn a_level_is_what_the_wavelets_leave_there() {
+    use crate::surface_wavelet::{forward, inverse_to_level};
+    let unit = 2_f64.powi(-16);
+    for surface in cases() {
+        let hierarchy = Hierarchy::from(&arranged(&surface).unwrap());
+        for basis in Basis::ALL {
+            // The integer transform has other weights than the real one where it is biquintic.
+            let about = if basis == Basis::Biquintic { 0.1 } else { 64.0 * unit };
+            let precisions = [(Precision::Step(1e-3), 1e-9), (Precision::Lossless { unit }, about)];
+            for (precision, most) in precisions {
+                let file = encode(&surface, &Settings { basis, ..Settings::new(precision) }).unwrap();
+                let mut coefficients = decode(&file.bytes, Limits::default()).unwrap().positions;
+                forward(basis, &hierarchy, &mut coefficients);
+                for level in 0..=surface.levels {
+                    let decoded = decode_level(&file.bytes, level, Limits::default()).unwrap();
+                    let mut points = coefficients[..hierarchy.vertices(level as usize)].to_vec();
+                    inverse_to_level(basis, &hierarchy, level as usize, &mut points);
+                    assert_eq!((decoded.levels, decoded.positions.len()), (level, points.len()));
+                    let off = points.iter().zip(&decoded.positions).map(|(one, other)| one.distance(*other));
+                    let off = off.fold(0.0, f64::max);
+                    assert!(off < most, "{basis:?} {precision:?} {level}: {off}");
+                }
+                let levels = surface.levels;
+                let missing = decode_level(&file.bytes, levels + 1, Limits::default());
+                assert_eq!(missing.unwrap_err(), DecodeError::Level { asked: levels + 1, levels });
+            }
+        }
+    }
+}
+
+#[test]
+fn a_level_takes_no_more_than_its_bytes() {
+    let surface = surface(rings(6), 4);
+    let lossless = Settings::new(Precision::Lossless { unit: 2_f64.powi(-12) });
+    let by_regions = Settings { faces_per_region: NonZeroU32::new(8), ..Settings::new(Precision::Rms(1e-4)) };
+    let of = |bytes: &[u8], level| decode_level(bytes, level, Limits::default()).unwrap();
+    let check = |settings, level, length: fn(&Encoded) -> usize| {
+        let file = encode(&surface, &settings).unwrap();
+        let beginning = &file.bytes[..length(&file)];
+        assert!(beginning.len() < file.bytes.len());
+        assert!(of(beginning, level) == of(&file.bytes, level));
+        assert!(of(beginning, 4) != of(&file.bytes, 4));
+    };
+    check(lossless, 1, |file| file.bytes.len() * 4 / 5);
+    check(by_regions, 2, |file| {
+        let (header, length) = header::Header::parse(&file.bytes).unwrap();
+        length + (header.base.len + header.parts[0].len) as usize
+    });
+}
+
+#[test]
 fn a_region_is_as_in_the_whole() {
     let surface = surface(rings(6), 4);
     let settings = Settings { faces_per_region: NonZeroU32::new(8), ..Settings::new(Precision::Rms(1e-4)) };
@@ -191,7 +242,7 @@ fn a_region_is_as_in_the_whole() {
     let whole = decode(&file.bytes, Limits::default()).unwrap();
     assert_eq!(regions(&file.bytes), Ok(12));
     for region in [0, 5, 11] {
-        let (part, faces) = decode_region(&file.bytes, region, Limits::default()).unwrap();
+        let (part, faces) = decode_region(&file.bytes, region, 4, Limits::default()).unwrap();
         let (mut same, mut others) = (0, 0);
         let mesh = whole.level(4);
         for (quad, corners) in mesh.faces().iter().enumerate() {
@@ -209,7 +260,7 @@ fn a_region_is_as_in_the_whole() {
         assert_eq!(same, 8 * 256);
         assert!(others > 4 * 8 * 256);
     }
-    assert!(matches!(decode_region(&file.bytes, 12, Limits::default()), Err(DecodeError::Region { .. })));
+    assert!(matches!(decode_region(&file.bytes, 12, 4, Limits::default()), Err(DecodeError::Region { .. })));
 }
 
 #[test]

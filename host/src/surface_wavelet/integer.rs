@@ -61,7 +61,7 @@ type Sum = [i64; 3];
 /// If there is not one triple a vertex of the finest mesh.
 pub fn forward(basis: Basis, hierarchy: &Hierarchy, points: &mut [Triple]) {
     assert_eq!(points.len(), hierarchy.finest_vertices(), "one triple a vertex of the finest mesh");
-    let per_level: u32 = lifts(basis).iter().map(|lift| lift.shrinks).sum();
+    let per_level = per_level(basis);
     for (before, step) in hierarchy.steps().iter().rev().enumerate() {
         let mut units = Units { finer: per_level * before as u32, here: 0 };
         for lift in lifts(basis) {
@@ -77,14 +77,39 @@ pub fn forward(basis: Basis, hierarchy: &Hierarchy, points: &mut [Triple]) {
 /// If there is not one triple a vertex of the finest mesh.
 pub fn inverse(basis: Basis, hierarchy: &Hierarchy, points: &mut [Triple]) {
     assert_eq!(points.len(), hierarchy.finest_vertices(), "one triple a vertex of the finest mesh");
-    let per_level: u32 = lifts(basis).iter().map(|lift| lift.shrinks).sum();
-    for (before, step) in hierarchy.steps().iter().rev().enumerate().rev() {
-        let mut units = Units { finer: per_level * before as u32, here: per_level };
+    inverse_to_level(basis, hierarchy, hierarchy.steps().len(), points);
+}
+
+/// Turns coefficients into the control points of a level, the base mesh being level 0, each in its unit ([`unit_of`]); only
+/// the vertices of that level are looked at.
+///
+/// # Panics
+/// If there are fewer triples than the level has vertices, or fewer levels.
+pub fn inverse_to_level(basis: Basis, hierarchy: &Hierarchy, level: usize, points: &mut [Triple]) {
+    let here = per_level(basis);
+    let levels = hierarchy.steps().len();
+    for (number, step) in hierarchy.steps()[..level].iter().enumerate() {
+        let mut units = Units { finer: here * (levels - 1 - number) as u32, here };
         for lift in lifts(basis).iter().rev() {
             units.here -= lift.shrinks;
             apply(step, units, &mut points[..step.split.finer_vertices()], lift, -1);
         }
     }
+}
+
+/// In units of 2 to which power the control point of a vertex of a level is: finer levels take a part of it.
+///
+/// # Panics
+/// If there is no such vertex or level.
+pub fn unit_of(basis: Basis, hierarchy: &Hierarchy, level: usize, vertex: usize) -> u32 {
+    let finer = &hierarchy.steps()[level..];
+    let units = Units { finer: per_level(basis) * finer.len() as u32, here: 0 };
+    finer.first().map_or(0, |step| units.of_old(step.rules.vertices[vertex]))
+}
+
+/// By which power of 2 units grow from a level to the next coarser one, for each direction.
+fn per_level(basis: Basis) -> u32 {
+    lifts(basis).iter().map(|lift| lift.shrinks).sum()
 }
 
 /// In units of 2 to which power the vertices of a step are, for each of their directions.

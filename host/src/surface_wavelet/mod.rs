@@ -17,7 +17,7 @@ pub use transform::{forward, forward_step, inverse, inverse_step, inverse_to_lev
 
 pub mod lossless {
     //! The same wavelets on integer coordinates, without loss.
-    pub use super::integer::{IntegerLift, Ratio, forward, inverse, lifts};
+    pub use super::integer::{IntegerLift, Ratio, forward, inverse, inverse_to_level, lifts, unit_of};
 }
 
 #[cfg(test)]

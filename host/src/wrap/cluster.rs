@@ -17,6 +17,8 @@ pub(super) struct Cluster {
     pub(super) movable: usize,
     /// The faces of the vertices that may move.
     pub(super) faces: Faces,
+    /// Numbers of the faces in the whole mesh.
+    pub(super) numbers: Vec<u32>,
     /// Faces of each vertex that may move.
     pub(super) faces_of: Vec<Vec<u32>>,
     /// Edge neighbours of each vertex that may move: on a crease, only those along it; none where it is fixed.
@@ -119,6 +121,7 @@ fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
         vertices,
         movable,
         faces: local,
+        numbers: faces.to_vec(),
         faces_of,
     }
 }

@@ -36,7 +36,7 @@ pub enum Target<'a> {
 }
 
 /// A target, ready to be looked into.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Goal<'a> {
     /// Where the distance is zero.
     Distance,

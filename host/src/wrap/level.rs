@@ -38,7 +38,7 @@ pub(super) struct Level {
 }
 
 /// A field and the box that it fills.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Space<'a> {
     pub(super) distance: &'a ScalarField,
     pub(super) border: Border,

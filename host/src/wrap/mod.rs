@@ -10,6 +10,7 @@ mod attract;
 mod border;
 mod check;
 mod cluster;
+mod ease;
 mod error;
 mod fit;
 mod goal;
@@ -30,7 +31,7 @@ pub use goal::{Target, ways};
 pub use lines::Lines;
 pub use quality::Inverted;
 pub use report::{Cause, Failure, LevelReport, Misfit, SMALL, UNFIT, WrapReport};
-pub use settle::settle;
+pub use settle::Settling;
 
 use crate::field::ScalarField;
 use crate::mesh::PolygonMesh;

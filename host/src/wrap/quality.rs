@@ -66,3 +66,16 @@ pub(super) fn inverted(level: &Level, space: &Space, goal: &Goal, least: f64) ->
     let counts = Inverted { corners: count(|one| one.1), faces: count(|one| one.2) };
     (found.into_iter().map(|(face, ..)| face).collect(), counts)
 }
+
+/// Those of some faces that have a corner below `least`, in order.
+pub(super) fn bad_of(level: &Level, space: &Space, goal: &Goal, faces: &[u32], least: f64) -> Vec<u32> {
+    let outwards = |&corner: &u32| {
+        let vertex = corner as usize;
+        goal.outwards(level.positions[vertex], level.normal(vertex), space)
+    };
+    let is_bad = |&&face: &&u32| {
+        let corners = level.faces.get(face as usize);
+        least_corner(corners, &level.positions, corners.iter().map(outwards).sum()) < least
+    };
+    faces.par_iter().filter(is_bad).copied().collect()
+}

@@ -2,11 +2,13 @@
 //!
 //! Attraction alone folds a mesh where the surface is curved within an edge, or where neighbours find different sheets.
 //! Around the folds, vertices are moved one by one along the surface to wherever the corners of their faces are best, by a
-//! pattern search that only ever accepts what is better; so a fold never grows, and what is sound stays sound.
+//! pattern search that only ever accepts what is better; so a fold never grows, and what is sound stays sound. Where the
+//! surface is bent within a face that may not do, and vertices may leave the surface a little.
 
 use rayon::prelude::*;
 
 use super::cluster::{self, Cluster};
+use super::ease::{FARTHEST, SOUND, eased, less_folded};
 use super::goal::Goal;
 use super::level::{Level, Space};
 use super::quality::{self, Inverted};
@@ -16,8 +18,12 @@ use crate::mesh::Point;
 const LEAST_CORNER: f64 = 0.02;
 /// Corners below this cost, so that mending one does not strain the next.
 const FAIR_CORNER: f64 = 0.5;
-/// Attempts, each by the rings of faces around the folds that take part, and sweeps over them.
+/// Attempts on the surface, each by the rings of faces around the folds that take part, and sweeps over them.
 const ATTEMPTS: [(usize, usize); 3] = [(0, 10), (1, 20), (3, 40)];
+/// Rings that are eased away from it for the folds that are left, one attempt after the other.
+const EASED: [usize; 4] = [1, 2, 3, 5];
+/// Attempts after that, on the surface or off it.
+const LOOSE: [(usize, usize); 3] = [(1, 30), (3, 40), (5, 60)];
 /// Directions that a vertex tries.
 const DIRECTIONS: usize = 8;
 /// How far a vertex may go from where it was, in lengths of its edges. Without a leash, vertices go on and on, since the
@@ -25,37 +31,52 @@ const DIRECTIONS: usize = 8;
 const LEASH: f64 = 0.5;
 /// Shortest step tried, in lengths of leashes.
 const SHORTEST_STEP: f64 = 0.02;
-/// How far from the surface a vertex may go, in cells, if it is not farther already.
+/// How far from the surface a vertex that is held to it may go, in cells, if it is not farther already.
 const NEAR: f64 = 0.1;
 
 /// Turns faces back where possible; counts of inverted faces before and after.
 ///
 /// Clusters of folds are mended in parallel, each by itself, so that the result does not depend on threads.
-/// Cost: two passes over the mesh for each attempt, and about 10 µs a sweep for each vertex around a fold.
+/// Cost: two passes over the mesh, and about 10 µs a sweep for each vertex around a fold.
 pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted; 2] {
     let (mut bad, before) = quality::inverted(level, space, goal, LEAST_CORNER);
-    let mut after = before;
-    for (rings, sweeps) in ATTEMPTS {
-        if bad.is_empty() {
-            break;
-        }
-        let clusters = cluster::around(level, &bad, rings);
-        let mended: Vec<Cluster> = clusters
-            .into_par_iter()
-            .map(|cluster| {
-                let mut patient = Patient::new(cluster, space, goal);
-                patient.mend(sweeps);
-                patient.cluster
-            })
-            .collect();
-        for cluster in mended {
-            for (&vertex, &place) in cluster.vertices[..cluster.movable].iter().zip(&cluster.positions) {
-                level.positions[vertex as usize] = place;
-            }
-        }
-        (bad, after) = quality::inverted(level, space, goal, LEAST_CORNER);
+    if bad.is_empty() {
+        return [before; 2];
     }
-    [before, after]
+    for (rings, sweeps) in ATTEMPTS {
+        let tried = mend(level, &bad, rings, |cluster| Patient::new(cluster, space, goal).mended(sweeps));
+        bad = quality::bad_of(level, space, goal, &tried, LEAST_CORNER);
+    }
+    bad = quality::bad_of(level, space, goal, &bad, SOUND);
+    for rings in EASED {
+        let tried = mend(level, &bad, rings, |cluster| eased(cluster, space, goal));
+        bad = quality::bad_of(level, space, goal, &tried, SOUND);
+    }
+    for (rings, sweeps) in LOOSE {
+        let loose = |cluster| Patient::loose(cluster, space, goal).mended(sweeps);
+        let tried = mend(level, &bad, rings, |cluster| less_folded(cluster, space, goal, loose));
+        bad = quality::bad_of(level, space, goal, &tried, SOUND);
+    }
+    [before, quality::inverted(level, space, goal, SOUND).1]
+}
+
+/// Mends the clusters around bad faces, all at once; their faces.
+fn mend(
+    level: &mut Level,
+    bad: &[u32],
+    rings: usize,
+    mended: impl Fn(Cluster) -> Cluster + Sync + Send,
+) -> Vec<u32> {
+    if bad.is_empty() {
+        return Vec::new();
+    }
+    let clusters: Vec<Cluster> = cluster::around(level, bad, rings).into_par_iter().map(mended).collect();
+    for cluster in &clusters {
+        for (&vertex, &place) in cluster.vertices[..cluster.movable].iter().zip(&cluster.positions) {
+            level.positions[vertex as usize] = place;
+        }
+    }
+    clusters.into_iter().flat_map(|cluster| cluster.numbers).collect()
 }
 
 /// A cluster under repair.
@@ -69,6 +90,8 @@ struct Patient<'a> {
     leashes: Vec<(Point, f64)>,
     /// Next step of each vertex that may move, as a length.
     steps: Vec<f64>,
+    /// Whether vertices may leave the surface.
+    loose: bool,
 }
 
 impl<'a> Patient<'a> {
@@ -78,11 +101,16 @@ impl<'a> Patient<'a> {
         let places = cluster.positions.iter().zip(&cluster.normals);
         let outwards = places.map(|(&place, &normal)| goal.outwards(place, normal, space)).collect();
         let steps = leashes.iter().map(|&(_, length)| length).collect();
-        Self { cluster, space, goal, outwards, leashes, steps }
+        Self { cluster, space, goal, outwards, leashes, steps, loose: false }
+    }
+
+    /// With vertices that may leave the surface.
+    fn loose(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
+        Self { loose: true, ..Self::new(cluster, space, goal) }
     }
 
     /// Sweeps over the vertices until all corners are sound or nothing moves.
-    fn mend(&mut self, sweeps: usize) {
+    fn mended(mut self, sweeps: usize) -> Cluster {
         for _ in 0..sweeps {
             let mut moved = false;
             for vertex in 0..self.cluster.movable {
@@ -92,6 +120,12 @@ impl<'a> Patient<'a> {
                 break;
             }
         }
+        self.cluster
+    }
+
+    /// Whether a vertex is held to the surface: creases are in any case, but on the border.
+    fn is_held(&self, vertex: usize) -> bool {
+        !self.loose || (self.cluster.neighbours[vertex].len() == 2 && self.cluster.sides[vertex].count() == 0)
     }
 
     fn is_sound(&self) -> bool {
@@ -128,13 +162,21 @@ impl<'a> Patient<'a> {
             return false;
         }
         let kept = (self.cluster.positions[vertex], self.outwards[vertex]);
-        let near = self.space.distance_in_cells(kept.0).max(NEAR);
+        let (held, sides) = (self.is_held(vertex), self.cluster.sides[vertex]);
+        let off = self.space.distance_in_cells(kept.0);
+        if self.loose && off > FARTHEST {
+            return false;
+        }
+        let near = if held { off.max(NEAR) } else { FARTHEST };
         let (mut best, mut least) = (kept, cost);
         for place in self.candidates(vertex, step) {
-            let place = self.goal.approach(place, self.cluster.sides[vertex], leash, self.space);
+            let place = match held {
+                true => self.goal.approach(place, sides, leash, self.space),
+                false => self.space.border.hold(sides, place),
+            };
             let outwards = self.goal.outwards(place, self.cluster.normals[vertex], self.space);
             let strays = home.distance(place) > leash || self.space.distance_in_cells(place) > near;
-            if strays || outwards.dot(kept.1) <= 0.0 {
+            if strays || (held && outwards.dot(kept.1) <= 0.0) {
                 continue;
             }
             (self.cluster.positions[vertex], self.outwards[vertex]) = (place, outwards);
@@ -162,6 +204,9 @@ impl<'a> Patient<'a> {
             let (right, up) = normal.any_orthonormal_pair();
             let angles = (0..DIRECTIONS).map(|turn| turn as f64 * std::f64::consts::TAU / DIRECTIONS as f64);
             places.extend(angles.map(|angle| place + step * (angle.cos() * right + angle.sin() * up)));
+            if self.loose {
+                places.extend([place + step * normal, place - step * normal]);
+            }
         }
         places
     }

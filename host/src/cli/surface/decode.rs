@@ -7,7 +7,7 @@ use wavelift_host::subdivision::{Hierarchy, SubdivisionSurface, limit};
 use wavelift_host::surface_codec::{self, DecodeError, Limits};
 use wavelift_host::volume::Fault;
 
-use super::file::{bad, read_bytes, refuse_level, refuse_other_than_mesh, write_mesh};
+use super::file::{bad, read_bytes, refuse_other_than_mesh, write_mesh};
 use crate::cli::exit::Failure;
 use crate::cli::output::print;
 
@@ -22,7 +22,7 @@ pub(crate) struct Args {
     input: PathBuf,
     /// Mesh to write: .ply, .obj, .stl, .off, .gltf or .glb
     output: PathBuf,
-    /// Level to write, 0 being the base mesh [default: the finest]
+    /// Level to write, 0 being the base mesh: the vertices that it has, where the finest mesh has them [default: the finest]
     #[arg(long, value_name = "L")]
     level: Option<u32>,
     /// Reads no more than the first N bytes
@@ -34,7 +34,8 @@ pub(crate) struct Args {
     /// Refuses surfaces of more vertices than this, each of which takes about 100 bytes of memory
     #[arg(long, value_name = "N", default_value_t = Limits::default().vertices)]
     most_vertices: u64,
-    /// Moves vertices to where endless bicubic subdivision would
+    /// Moves vertices to where endless bicubic subdivision of what the wavelets leave at the level would; nothing is
+    /// decoded that only finer levels need
     #[arg(long)]
     limit: bool,
 }
@@ -47,23 +48,24 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_other_than_mesh(&args.output)?;
     let bytes = read_bytes(&args.input, args.bytes, &[&args.output])?;
     let accepted = Limits { vertices: args.most_vertices };
+    let levels = surface_codec::levels(&bytes).map_err(|error| bad(&args.input, error))?;
+    let level = args.level.unwrap_or(levels);
+    // Where vertices end up in the finest mesh takes all levels.
+    let decoded = if args.limit { level } else { levels.max(level) };
+    let refused = |error| match error {
+        DecodeError::Region { .. } | DecodeError::Level { .. } => {
+            Failure::at(&args.input, Fault::Usage, error)
+        }
+        _ => bad(&args.input, error),
+    };
     let (surface, faces) = match args.region {
         None => {
-            let surface = surface_codec::decode(&bytes, accepted);
-            let surface = surface.map_err(|error| bad(&args.input, error))?;
+            let surface = surface_codec::decode_level(&bytes, decoded, accepted).map_err(refused)?;
             let faces = 0..surface.base.len();
             (surface, faces)
         }
-        Some(region) => {
-            let decoded = surface_codec::decode_region(&bytes, region, accepted);
-            decoded.map_err(|error| match error {
-                DecodeError::Region { .. } => Failure::at(&args.input, Fault::Usage, error),
-                _ => bad(&args.input, error),
-            })?
-        }
+        Some(region) => surface_codec::decode_region(&bytes, region, decoded, accepted).map_err(refused)?,
     };
-    let level = args.level.unwrap_or(surface.levels);
-    refuse_level(&args.input, &surface, level)?;
     let mut mesh = surface.level(level);
     if args.limit {
         mesh.positions = limits(&surface, &mesh, level)?;
