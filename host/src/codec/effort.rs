@@ -62,8 +62,8 @@ pub(super) enum Way {
 }
 
 impl Way {
-    /// The same predictions of samples nearly all of which are equal to those before them without tables, which would be
-    /// most of what there is to write.
+    /// This way, or, for samples that are nearly still, the one that predicts alike and has no tables: these would be most
+    /// of what there is to write.
     pub(super) fn of_samples(self, samples: &[i32]) -> Self {
         match self {
             Self::Tabled if are_still(samples) => Self::Nearest,

@@ -22,10 +22,9 @@ pub(super) struct Survey {
 /// The values that occur, as the first plane holds them.
 #[derive(Clone, Debug)]
 enum Distinct {
-    /// Of at most 16 bits: which there are, from the smallest that there may be on. Bits that are `flipped` count up.
+    /// Of at most 16 bits: which there are, from the smallest that there may be on.
     Marked {
         smallest: i32,
-        flipped: usize,
         marks: Vec<bool>,
     },
     /// Ascending.
@@ -39,11 +38,7 @@ impl Survey {
         let distinct = match (planes::sample_types(element), element.bytes()) {
             ([_], bytes @ (1 | 2)) => {
                 let half = if element.is_signed_integer() { 1 << (8 * bytes - 1) } else { 0 };
-                Distinct::Marked {
-                    smallest: -half,
-                    flipped: half as usize,
-                    marks: vec![false; 1 << (8 * bytes)],
-                }
+                Distinct::Marked { smallest: -half, marks: vec![false; 1 << (8 * bytes)] }
             }
             ([_], _) => Distinct::Collected(Vec::new()),
             _ => Distinct::TooMany,
@@ -59,9 +54,8 @@ impl Survey {
     /// A survey of values that follow these: what is settled already is left out.
     pub(super) fn next(&self) -> Self {
         let distinct = match &self.distinct {
-            Distinct::Marked { smallest, flipped, marks } => {
-                let (smallest, flipped) = (*smallest, *flipped);
-                Distinct::Marked { smallest, flipped, marks: vec![false; marks.len()] }
+            Distinct::Marked { smallest, marks } => {
+                Distinct::Marked { smallest: *smallest, marks: vec![false; marks.len()] }
             }
             Distinct::Collected(_) => Distinct::Collected(Vec::new()),
             Distinct::TooMany => Distinct::TooMany,
@@ -121,7 +115,7 @@ impl Survey {
 
     /// The smallest and the largest integer.
     fn ends(&self) -> Option<[i128; 2]> {
-        let Distinct::Marked { smallest, marks, .. } = &self.distinct else { return self.ends };
+        let Distinct::Marked { smallest, marks } = &self.distinct else { return self.ends };
         let ends = [marks.iter().position(|mark| *mark)?, marks.iter().rposition(|mark| *mark)?];
         Some(ends.map(|place| i128::from(*smallest) + place as i128))
     }
@@ -145,13 +139,17 @@ impl Distinct {
             samples
         };
         match self {
-            Self::Marked { flipped, marks, .. } => match element.bytes() {
-                1 => bytes.iter().for_each(|&byte| marks[usize::from(byte) ^ *flipped] = true),
-                _ => {
-                    let values = bytes.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
-                    values.for_each(|value| marks[usize::from(value) ^ *flipped] = true);
+            Self::Marked { smallest, marks } => {
+                // The bits of the smallest, which turn the order of bits into that of values.
+                let smallest = smallest.unsigned_abs() as usize;
+                match element.bytes() {
+                    1 => bytes.iter().for_each(|&byte| marks[usize::from(byte) ^ smallest] = true),
+                    _ => {
+                        let values = bytes.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes));
+                        values.for_each(|value| marks[usize::from(value) ^ smallest] = true);
+                    }
                 }
-            },
+            }
             Self::Collected(values) => {
                 let mut samples = samples();
                 if are_many(&samples) {
@@ -186,7 +184,7 @@ impl Distinct {
 
     fn ascending(&self) -> Option<Vec<i32>> {
         match self {
-            Self::Marked { smallest, marks, .. } => {
+            Self::Marked { smallest, marks } => {
                 let values = (*smallest..).zip(marks).filter(|&(_, &mark)| mark);
                 Some(values.map(|(value, _)| value).collect())
             }

@@ -39,6 +39,27 @@ impl<'a> Lent<'a> {
     }
 }
 
+/// Encodes with an effort whose memory is borrowed last.
+///
+/// # Safety
+/// As [`wavelift_encode`].
+unsafe fn encode<'a>(
+    codec: *mut WaveliftCodec,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    out: (*mut u8, *mut usize),
+    effort: impl FnOnce(&mut Loan<'a>) -> Result<Effort<'a>, WaveliftError>,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    let mut loan = unsafe { Loan::new() };
+    let encoded = || {
+        let lent = Lent::new(&mut loan, plan, lent, out)?;
+        let codec = loan.state(codec)?;
+        lent.encode(codec, effort(&mut loan)?)
+    };
+    code(encoded())
+}
+
 /// Encodes with [`Effort::Default`], or [`Effort::Fast`] if `training` is NULL.
 ///
 /// # Safety
@@ -53,14 +74,11 @@ pub unsafe extern "C" fn wavelift_encode(
     out_len: *mut usize,
 ) -> WaveliftError {
     // SAFETY: the caller promises as much.
-    let mut loan = unsafe { Loan::new() };
-    let mut encode = || {
-        let lent = Lent::new(&mut loan, plan, lent, (out, out_len))?;
-        let codec = loan.state(codec)?;
-        let effort = if training.is_null() { Effort::Fast } else { Effort::Default(loan.state(training)?) };
-        lent.encode(codec, effort)
-    };
-    code(encode())
+    unsafe {
+        encode(codec, plan, lent, (out, out_len), |loan| {
+            Ok(if training.is_null() { Effort::Fast } else { Effort::Default(loan.state(training)?) })
+        })
+    }
 }
 
 /// Encodes with [`Effort::Wide`], or [`Effort::Tabled`] if `training` is NULL.
@@ -77,14 +95,11 @@ pub unsafe extern "C" fn wavelift_encode_tabled(
     out_len: *mut usize,
 ) -> WaveliftError {
     // SAFETY: the caller promises as much.
-    let mut loan = unsafe { Loan::new() };
-    let mut encode = || {
-        let lent = Lent::new(&mut loan, plan, lent, (out, out_len))?;
-        let codec = loan.state(codec)?;
-        let effort = if training.is_null() { Effort::Tabled } else { Effort::Wide(loan.state(training)?) };
-        lent.encode(codec, effort)
-    };
-    code(encode())
+    unsafe {
+        encode(codec, plan, lent, (out, out_len), |loan| {
+            Ok(if training.is_null() { Effort::Tabled } else { Effort::Wide(loan.state(training)?) })
+        })
+    }
 }
 
 /// Encodes with [`Effort::Dense`].
@@ -102,14 +117,11 @@ pub unsafe extern "C" fn wavelift_encode_dense(
     out_len: *mut usize,
 ) -> WaveliftError {
     // SAFETY: the caller promises as much.
-    let mut loan = unsafe { Loan::new() };
-    let mut encode = || {
-        let lent = Lent::new(&mut loan, plan, lent, (out, out_len))?;
-        let codec = loan.state(codec)?;
-        let effort = Effort::Dense(loan.state(dense)?, loan.state(training)?);
-        lent.encode(codec, effort)
-    };
-    code(encode())
+    unsafe {
+        encode(codec, plan, lent, (out, out_len), |loan| {
+            Ok(Effort::Dense(loan.state(dense)?, loan.state(training)?))
+        })
+    }
 }
 
 /// Encodes near-losslessly; the wavelet and the levels of the plan do not matter.
