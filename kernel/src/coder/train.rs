@@ -174,14 +174,14 @@ impl Training {
             Some(weights) => self.residual_factors(weights),
             None => self.difference_factors(count),
         };
-        let mut entries = self.matrix.iter_mut();
-        for (r, (row, right)) in self.neighbours.iter().zip(&mut self.right).take(count).enumerate() {
+        let rows = self.neighbours.iter().zip(&mut self.right).take(count);
+        for (r, (row, right)) in rows.enumerate() {
             let mut weighted = [0_i16; LANES];
             for ((weighted, &difference), factor) in weighted.iter_mut().zip(row).zip(factors) {
                 *weighted = low_half(i32::from(difference).wrapping_mul(factor).wrapping_add(128) >> 8);
             }
             let others = self.neighbours.get(..r.wrapping_add(1)).unwrap_or(&[]);
-            add_dots(&weighted, others, &mut entries);
+            add_dots(&weighted, others, self.matrix.get_mut(index(r, 0)..).unwrap_or(&mut []));
             *right = right.wrapping_add(dot(&weighted, &self.targets).into());
         }
     }
@@ -314,9 +314,9 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
     }
 }
 
-/// Adds the sums of products of a row with others to the next of `sums`.
+/// Adds the sums of products of a row with others to `sums`.
 #[cfg_attr(not(feature = "small"), inline(never))]
-fn add_dots<'a>(row: &[i16; LANES], others: &[[i16; LANES]], sums: &mut impl Iterator<Item = &'a mut i64>) {
+fn add_dots(row: &[i16; LANES], others: &[[i16; LANES]], sums: &mut [i64]) {
     for (other, sum) in others.iter().zip(sums) {
         // If the row were known to be the same, its elements would be widened once for all others, and pairs not be
         // multiplied and added at once, which is quicker.
@@ -326,6 +326,7 @@ fn add_dots<'a>(row: &[i16; LANES], others: &[[i16; LANES]], sums: &mut impl Ite
 }
 
 /// The sum of products.
+#[inline(always)]
 fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
     a.iter().zip(b).fold(0, |sum: i32, (&a, &b)| sum.wrapping_add(i32::from(a).wrapping_mul(b.into())))
 }

@@ -16,6 +16,8 @@ mod neighbours;
 mod numerals;
 mod own;
 mod rank;
+#[cfg_attr(not(feature = "vectors"), path = "no_short_rows.rs")]
+mod short_rows;
 mod tables;
 mod token;
 mod train;
@@ -27,6 +29,7 @@ use self::bits::{BitReader, BitWriter};
 use self::narrow::Narrow;
 use self::neighbours::row_at;
 use self::numerals::{NumeralReader, NumeralWriter};
+use self::short_rows::ShortRows;
 pub(super) use self::tables::Tables;
 pub(super) use self::train::Lessons;
 use self::wide::Wide;
@@ -188,11 +191,14 @@ impl Brick<'_> {
                 Some(())
             }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
-            Predictor::Wide(wide) => rows.try_for_each(|place| {
-                let (own, row, sums) = wide.row(values, place, scratch)?;
-                own.forward(row, sums);
-                Some(())
-            }),
+            Predictor::Wide(wide) => {
+                let mut short_rows = ShortRows::NEW;
+                rows.try_for_each(|place| {
+                    let (own, row, sums) = wide.row(values, place, scratch, &mut short_rows)?;
+                    own.forward(row, sums);
+                    Some(())
+                })
+            }
         }
     }
 
@@ -207,11 +213,15 @@ impl Brick<'_> {
                 Some(())
             }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
-            Predictor::Wide(wide) => rows.try_for_each(|place| {
-                let (own, row, sums) = wide.row(values, place, scratch)?;
-                own.inverse(row, sums);
-                Some(())
-            }),
+            Predictor::Wide(wide) => {
+                let mut short_rows = ShortRows::NEW;
+                rows.try_for_each(|place| {
+                    let (own, row, sums) = wide.row(values, place, scratch, &mut short_rows)?;
+                    own.inverse(row, sums);
+                    short_rows.note(row, own.span);
+                    Some(())
+                })
+            }
         }
     }
 

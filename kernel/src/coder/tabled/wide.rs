@@ -4,6 +4,7 @@ use super::Span;
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::split_at_row;
 use super::own::{Known, OwnRow};
+use super::short_rows::ShortRows;
 use crate::coder::forecast::{FRACTION_BITS, Weights, add, pad};
 use crate::coder::taps::{Planes, REACH, RowTaps, SAMPLES, Taps, WEST};
 use crate::coder::{Training, low_half};
@@ -104,9 +105,10 @@ impl Wide {
         values: &'a mut [i32],
         place: [usize; 2],
         scratch: &'a mut [i32],
+        short_rows: &mut ShortRows,
     ) -> Option<Known<'a, WEST>> {
         let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
-        let (own, sums) = self.sum_known(before, place, row.len(), scratch)?;
+        let (own, sums) = self.sum_known(before, place, scratch, short_rows)?;
         Some((own, row, sums))
     }
 
@@ -116,28 +118,82 @@ impl Wide {
         &self,
         before: &[i32],
         place: [usize; 2],
-        width: usize,
         scratch: &'a mut [i32],
+        short_rows: &mut ShortRows,
     ) -> Option<(OwnRow<WEST>, &'a mut [i32])> {
+        let [width, ..] = self.plan.extent().sides();
         let (padded, rest) = scratch.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
         let sums = rest.get_mut(..width)?;
-        sums.fill(HALF.wrapping_sub(self.span.lowest << FRACTION_BITS));
-        let Weights([second, third, rest @ ..]) = self.weights.get(usize::from(place[1] > 0))?;
-        let [second, third] = [*second, *third].map(i32::from);
-        let mut first = (1_i32 << FRACTION_BITS).wrapping_sub(second).wrapping_sub(third);
-        let (mut rest, mut nearest) = (&rest[..], None);
-        for taps in SAMPLES.iter().filter(|taps| self.has(taps, place)) {
+        let own = self.own_row(before, place)?;
+        let start = HALF.wrapping_sub(self.span.lowest << FRACTION_BITS);
+        if short_rows.suit(width) {
+            self.sum_short(before, place, start, sums, short_rows)?;
+            return Some((own, sums));
+        }
+        sums.fill(start);
+        for (at, weights) in self.known_rows(place) {
+            pad(self.samples(before, at)?, width, padded, |sample| sample);
+            add(sums, padded, weights.len() / 2, weights);
+        }
+        Some((own, sums))
+    }
+
+    /// Sets `sums` to `start` and the weighted samples of known rows, by vectors.
+    #[inline(always)]
+    fn sum_short(
+        &self,
+        before: &[i32],
+        place: [usize; 2],
+        start: i32,
+        sums: &mut [i32],
+        short_rows: &mut ShortRows,
+    ) -> Option<()> {
+        let middle = self.span.lowest.wrapping_add(1 << (MOST_SPAN_BITS - 1));
+        let of_middle = middle.wrapping_mul(self.known_weight(place));
+        let mut rows: heapless::Vec<_, { SAMPLES.len() }> = heapless::Vec::new();
+        for (at, weights) in self.known_rows(place) {
+            let number = short_rows.keep(place, at, middle, || self.samples(before, at))?;
+            rows.push((number, weights)).ok()?;
+        }
+        short_rows.sum(&rows, start.wrapping_add(of_middle), sums);
+        Some(())
+    }
+
+    /// The weights of the row's own samples, and what stands before its first.
+    fn own_row(&self, before: &[i32], place: [usize; 2]) -> Option<OwnRow<WEST>> {
+        let [second, third, ..] = self.of_plane(place)?.0.map(i32::from);
+        let others = self.known_weight(place).wrapping_add(second).wrapping_add(third);
+        let first = (1_i32 << FRACTION_BITS).wrapping_sub(others);
+        // The nearest row comes first: N, or U in the first row of a plane.
+        let nearest = self.known_rows(place).next().and_then(|(at, _)| self.samples(before, at)?.first());
+        let reference = nearest.copied().unwrap_or(self.span.lowest);
+        Some(OwnRow { weights: [first, second, third], reference, span: self.span })
+    }
+
+    fn of_plane(&self, [_, z]: [usize; 2]) -> Option<&Weights> {
+        self.weights.get(usize::from(z > 0))
+    }
+
+    /// The sum of the weights of known rows.
+    fn known_weight(&self, [y, z]: [usize; 2]) -> i32 {
+        let total = |weights: &[i16]| weights.iter().fold(0, |sum: i32, &w| sum.wrapping_add(w.into()));
+        let weights = self.of_plane([y, z]).and_then(|weights| weights.0.get(WEST - 1..)).unwrap_or(&[]);
+        // The first row of a plane knows none of it: the first of all rows with weights. Weights not in use are 0.
+        let of_plane = SAMPLES.iter().filter(|taps| y == 0 && taps.deep == 0 && self.has(taps, [y, z]));
+        let unknown = of_plane.fold(0, |count: usize, taps| count.wrapping_add(taps.len()));
+        total(weights.get(unknown..).unwrap_or(&[]))
+    }
+
+    /// The places of the known rows around a row, and their weights.
+    #[inline(always)]
+    fn known_rows(&self, place: [usize; 2]) -> impl Iterator<Item = ([usize; 2], &[i16])> {
+        let weights = self.of_plane(place).and_then(|weights| weights.0.get(WEST - 1..)).unwrap_or(&[]);
+        let mut rest = weights;
+        SAMPLES.iter().filter(move |taps| self.has(taps, place)).filter_map(move |taps| {
             let (weights, after) = rest.split_at_checked(taps.len())?;
             rest = after;
-            let Some(row) = self.known(taps, before, place) else { continue };
-            pad(row, width, padded, |sample| sample);
-            add(sums, padded, taps.reach, weights);
-            first = weights.iter().fold(first, |first, &weight| first.wrapping_sub(weight.into()));
-            // The nearest row comes first: N, or U in the first row of a plane.
-            nearest = nearest.or(row.first());
-        }
-        let reference = nearest.copied().unwrap_or(self.span.lowest);
-        Some((OwnRow { weights: [first, second, third], reference, span: self.span }, sums))
+            Some((self.known(taps, place)?, weights))
+        })
     }
 
     /// Whether rows have weights in the plane.
@@ -146,15 +202,23 @@ impl Wide {
         (taps.down == 0 || height > 1) && (taps.deep == 0 || z > 0)
     }
 
-    /// One of the rows around row y of plane z; beyond the border stands the nearest. `None` if none is known.
-    fn known<'a>(&self, taps: &RowTaps, before: &'a [i32], [y, z]: [usize; 2]) -> Option<&'a [i32]> {
+    /// The place of one of the rows around row y of plane z; beyond the border stands the nearest. `None` if none is known.
+    #[inline(always)]
+    fn known(&self, taps: &RowTaps, [y, z]: [usize; 2]) -> Option<[usize; 2]> {
         if taps.deep == 0 && y == 0 {
             return None;
         }
+        let [_, height, _] = self.plan.extent().sides();
+        let last = height.wrapping_sub(1).cast_signed();
+        let at = |place: usize, step: isize| place.cast_signed().wrapping_add(step).max(0);
+        Some([at(y, taps.down).min(last).cast_unsigned(), at(z, taps.deep).cast_unsigned()])
+    }
+
+    /// The samples of a row that is known.
+    #[inline(always)]
+    fn samples<'a>(&self, before: &'a [i32], [y, z]: [usize; 2]) -> Option<&'a [i32]> {
         let [width, height, _] = self.plan.extent().sides();
-        let y = y.saturating_add_signed(taps.down).min(height.wrapping_sub(1));
-        let start =
-            z.saturating_add_signed(taps.deep).wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
+        let start = z.wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
         before.get(start..start.wrapping_add(width))
     }
 }
@@ -186,13 +250,37 @@ mod tests {
         let wide = wide([4, 2, 1], 0, &first, &[]);
         let mut values = [10, 20, 30, 40, 12, 14, 16, 18];
         let mut scratch = [0; 32];
-        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch).unwrap();
+        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch, &mut { ShortRows::NEW }).unwrap();
         own.forward(row, sums);
         // 12 - 10, 14 - 15, 16 - 21, 18 - 27.
         assert_eq!(values[4..], [2, -1, -5, -9].map(rank));
-        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch).unwrap();
+        let (own, row, sums) = wide.row(&mut values, [1, 0], &mut scratch, &mut { ShortRows::NEW }).unwrap();
         own.inverse(row, sums);
         assert_eq!(values[4..], [12, 14, 16, 18]);
+    }
+
+    #[test]
+    fn vectors_sum_up_the_same() {
+        extern crate std;
+        use std::vec;
+        let weights: [i16; 43] = core::array::from_fn(|i| [301, -297, 38, 5, -11, 129, -90][i % 7]);
+        for sides in [[1, 9, 3], [5, 4, 3], [64, 3, 4], [67, 11, 2], [128, 3, 3], [129, 2, 2]] {
+            let wide = wide(sides, -7, &weights[..17], &weights);
+            let sides = sides.map(crate::extent::to_usize);
+            let len = i32::try_from(sides.iter().product::<usize>()).unwrap();
+            let samples: vec::Vec<i32> = (0..len).map(|i: i32| ((i * i + 7 * i) & 0xFFFF) - 7).collect();
+            let mut scratch = [vec![0; 3 * sides[0] + 6], vec![0; 3 * sides[0] + 6]];
+            let [short, long] = &mut scratch;
+            let (mut kept, mut unkept) = (ShortRows::NEW, ShortRows::NEW);
+            unkept.note(&[i32::MAX], wide.span);
+            let rows = (0..sides[2]).flat_map(|z| (0..sides[1]).map(move |y| [y, z]));
+            for place in rows.clone().chain(rows.rev()) {
+                let [(own, sums), (same, long_sums)] = [(&mut *short, &mut kept), (&mut *long, &mut unkept)]
+                    .map(|(scratch, rows)| wide.sum_known(&samples, place, scratch, rows).unwrap());
+                assert_eq!((own.weights, own.reference), (same.weights, same.reference));
+                assert_eq!(sums, long_sums, "{sides:?} {place:?}");
+            }
+        }
     }
 
     #[test]
@@ -206,7 +294,8 @@ mod tests {
                 lowest + next
             });
             let mut scratch = [0; 32];
-            let (own, row, sums) = wide.row(&mut values, [1, 2], &mut scratch).unwrap();
+            let (own, row, sums) =
+                wide.row(&mut values, [1, 2], &mut scratch, &mut { ShortRows::NEW }).unwrap();
             own.forward(row, sums);
             <[i32; 3]>::try_from(&values[21..24]).unwrap()
         };
