@@ -160,7 +160,7 @@ impl Worker {
         Self { codec, training, dense, lattice, integers, scratch, out }
     }
 
-    /// Encodes a brick. What is not coded exactly is decoded again, to know what a reader will get.
+    /// Encodes a brick. What is not coded exactly is compared with what a reader will get.
     pub(super) fn encode(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
         match coding.form {
             Form::Exact | Form::Packed(_) => self.encode_exactly(samples, coding),
@@ -178,8 +178,7 @@ impl Worker {
 
     /// Encodes integers, within the bound.
     fn encode_integers(&mut self, samples: Samples<'_>, coding: &Coding) -> Result<Encoded, Unencodable> {
-        let mut encoded = self.encode_planes(samples, coding)?;
-        let planes = self.decode_again(samples, coding, &encoded)?;
+        let (mut encoded, planes) = self.encode_moved(samples, coding)?;
         let restored = coding.form.join(samples.element, &planes);
         encoded.confirm(samples, &restored, coding.error)?;
         Ok(encoded)
@@ -193,8 +192,7 @@ impl Worker {
         scale: Scale,
     ) -> Result<Encoded, Unencodable> {
         let element = samples.element;
-        let mut encoded = self.encode_planes(samples, coding)?;
-        let planes = self.decode_again(samples, coding, &encoded)?;
+        let (mut encoded, planes) = self.encode_moved(samples, coding)?;
         let [integers] = &planes[..] else { return Err(Unencodable::Unfaithful) };
         let exceptions = scaled::exceptions(element, scale, samples.bytes, integers, coding.error);
         let mut restored = coding.form.join(element, &planes);
@@ -217,6 +215,28 @@ impl Worker {
         encoded.exceptions = Some(kept);
         encoded.confirm(samples, &restored, coding.error)?;
         Ok(encoded)
+    }
+
+    /// Encodes the planes of samples that may move; returns also the planes that a reader will get: the same, or what a
+    /// lattice leaves of them.
+    fn encode_moved(
+        &mut self,
+        samples: Samples<'_>,
+        coding: &Coding,
+    ) -> Result<(Encoded, Vec<Vec<i32>>), Unencodable> {
+        let encoded = self.encode_planes(samples, coding)?;
+        let len = samples.extent().samples();
+        if coding.form.slack().is_some() {
+            // There is one plane of it, and what the kernel makes of that stands there.
+            return Ok((encoded, vec![self.scratch[..len].to_vec()]));
+        }
+        let planes = (0..encoded.lengths.len()).map(|plane| {
+            let mut integers = vec![0; len];
+            let split = coding.form.split(samples.element, plane, samples.bytes, &mut integers);
+            split.map(|()| integers).ok_or(Unencodable::Unknown)
+        });
+        let planes = planes.collect::<Result<_, _>>()?;
+        Ok((encoded, planes))
     }
 
     /// Encodes the planes of samples.
@@ -263,18 +283,6 @@ impl Worker {
     fn encode_lattice(&mut self, near: Near) -> Result<usize, EncodeError> {
         self.scratch.resize(Lattice::encoding_scratch_len(near.extent).max(self.scratch.len()), 0);
         self.lattice.encode(near, &mut self.integers, &mut self.scratch, &mut self.out)
-    }
-
-    /// The planes of what was encoded, as a reader will get them.
-    fn decode_again(
-        &mut self,
-        samples: Samples<'_>,
-        coding: &Coding,
-        encoded: &Encoded,
-    ) -> Result<Vec<Vec<i32>>, Unencodable> {
-        let expected = Expected::new(samples.element, &coding.form, coding.transform, samples.extent());
-        let decoded = self.decode(&encoded.bytes, &encoded.lengths, &expected, 0);
-        decoded.map(|decoded| decoded.planes).map_err(|_| Unencodable::Unfaithful)
     }
 
     /// Decodes the codestreams of a brick down to `level`, or to its coarsest if it has fewer levels because it is

@@ -5,6 +5,7 @@ use super::segments::SegmentWriter;
 use super::stored::{Stored, restore};
 use crate::coder::{Coder, Grid, LARGEST_SLACK, Precision};
 use crate::error::{at_least, exactly};
+use crate::memory::copy;
 use crate::{
     DecodeError, EncodeError, Extent, Feature, Lattice, Malformed, Plan, SampleType, Slice, Wavelet,
 };
@@ -45,7 +46,8 @@ impl Lattice {
     /// sample is further than the slack from its original; with a slack of 0 they are the same.
     ///
     /// An `out` of [`max_encoded_len`](crate::max_encoded_len) bytes always suffices; a shorter one does if the
-    /// codestream happens to fit. `samples` are what they were afterwards.
+    /// codestream happens to fit. `samples` are what they were afterwards, and as many at the beginning of `scratch` what
+    /// a decoder makes of the codestream.
     ///
     /// # Errors
     /// [`EncodeError::Length`] if `samples` is not exactly the extent or `scratch` is shorter than
@@ -72,6 +74,12 @@ impl Lattice {
         order(sample_type, samples);
         let coded = self.encode_levels(near, samples, scratch, stored.room(out));
         order(sample_type, samples);
+        let decoded = scratch.get_mut(..samples.len()).unwrap_or(&mut []);
+        if coded.is_some() {
+            order(sample_type, decoded);
+        } else {
+            copy(samples, decoded);
+        }
         coded.map_or_else(|| stored.write(samples, out), Ok)
     }
 
