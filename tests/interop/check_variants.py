@@ -109,6 +109,7 @@ def tiffs(check, values):
     for name, array, more in [
         ("zstd", values, {"compression": "zstd"}),
         ("zstd_predicted", values, {"compression": "zstd", "predictor": True, "tile": (16, 16)}),
+        ("jpeg2000", values, {"compression": "jpeg2000", "compressionargs": {"level": 0, "reversible": True}}),
         ("half", half, {}),
         ("half_predicted", half, {"compression": "zlib", "predictor": 3}),
         ("series", np.stack([values, values + 1, values + 2]), {}),
