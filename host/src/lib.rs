@@ -24,3 +24,5 @@ pub mod tables;
 pub mod transform;
 pub mod volume;
 pub mod wrap;
+
+pub use wavelift_kernel as kernel;

@@ -51,7 +51,9 @@ class Check:
         run = self.convert(source, "read.npy", *options)
         if run.returncode != 0:
             raise SystemExit(f"{source}: {run.stderr}")
-        found = np.load("read.npy")
+        self.same(source, np.load("read.npy"), expected)
+
+    def same(self, source, found, expected):
         kinds = [array.dtype.newbyteorder("=") for array in (found, expected)]
         if kinds[0] != kinds[1] or found.shape != expected.shape or not np.array_equal(found, expected):
             raise SystemExit(f"{source}: {found.dtype} {found.shape} is not as expected, {expected.dtype} {expected.shape}")
@@ -107,6 +109,7 @@ def tiffs(check, values):
     for name, array, more in [
         ("zstd", values, {"compression": "zstd"}),
         ("zstd_predicted", values, {"compression": "zstd", "predictor": True, "tile": (16, 16)}),
+        ("jpeg2000", values, {"compression": "jpeg2000", "compressionargs": {"level": 0, "reversible": True}}),
         ("half", half, {}),
         ("half_predicted", half, {"compression": "zlib", "predictor": 3}),
         ("series", np.stack([values, values + 1, values + 2]), {}),
@@ -127,7 +130,27 @@ def tiffs(check, values):
         shape = {"T": 2, "C": 3, "Z": 4, "Y": 5, "X": 6}
         stack = np.arange(720, dtype=np.uint16).reshape([shape[axis] for axis in axes])
         tifffile.imwrite("o.ome.tif", stack, metadata={"axes": axes}, **grey)
-        check.read("o.ome.tif", stack.transpose([axes.index(axis) for axis in "TZYXC"]))
+        expected = stack.transpose([axes.index(axis) for axis in "TZYXC"])
+        check.read("o.ome.tif", expected)
+        # Channels of OME's are pages of their own, and a description of others is not kept.
+        check.convert("o.ome.tif", "again.ome.tif")
+        with tifffile.TiffFile("again.ome.tif") as file:
+            order = file.series[0].axes
+            check.same(f"{axes} as {order}", file.asarray().transpose([order.index(axis) for axis in "TZYXC"]), expected)
+
+
+def spacings(check, values):
+    """Distances of samples come from directions in space into formats that have no directions."""
+    image = sitk.GetImageFromArray(values)
+    image.SetSpacing([0.5, 0.25, 2])
+    sitk.WriteImage(image, "placed.nrrd")
+    check.convert("placed.nrrd", "placed.tif")
+    with tifffile.TiffFile("placed.tif") as file:
+        tags = file.pages[0].tags
+        found = [tags["XResolution"].value, tags["YResolution"].value, file.imagej_metadata["spacing"]]
+    if found != [(2, 1), (4, 1), 2]:
+        raise SystemExit(f"placed.tif: distances are {found}")
+    check.count += 1
 
 
 def medical(check, values):
@@ -250,7 +273,7 @@ def main():
     given = arguments()
     check = Check(given.wavelift)
     values = volume(given.data)
-    for variants in [raw, arrays, tiffs, medical, dicom]:
+    for variants in [raw, arrays, tiffs, spacings, medical, dicom]:
         variants(check, values)
     print(f"variants: {check.count} files right")
 

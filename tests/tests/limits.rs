@@ -53,6 +53,14 @@ fn streams() -> Vec<(Effort, Plan, SampleType, Vec<i32>)> {
     generated.collect()
 }
 
+/// Rooms that are too small for `len` bytes: all of them near both ends, and steps of a prime between, which meet every
+/// place in a word and, over all streams, every place where an encoder writes.
+fn too_small(len: usize) -> impl Iterator<Item = usize> {
+    const EACH: usize = 160;
+    const STEP: usize = 13;
+    (0..len).filter(move |room| *room < EACH || len - room <= EACH || room % STEP == 0)
+}
+
 #[test]
 fn an_output_is_full_or_holds_the_same_bytes() {
     let (mut codec, mut storages, mut trained) = (Codec::NEW, BTreeSet::new(), false);
@@ -62,7 +70,7 @@ fn an_output_is_full_or_holds_the_same_bytes() {
         if let Ok(predictors) = coder::predictors(&bytes) {
             trained |= predictors.iter().any(|predictor| matches!(predictor, Predictor::Weights(_)));
         }
-        for room in 0..bytes.len() {
+        for room in too_small(bytes.len()) {
             let (encoded, left) = encode_within(&mut codec, effort, &plan, sample_type, &samples, room);
             assert_eq!(encoded, Err(EncodeError::OutputFull), "{room} of {} bytes: {plan:?}", bytes.len());
             assert!(left == samples, "the samples stay: {plan:?}");

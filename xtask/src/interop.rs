@@ -26,8 +26,8 @@ const DATA: &str = "../shared/data";
 
 pub(crate) fn run() -> Failures {
     prepare();
-    // With the profile of the tests, so that nothing is compiled twice.
-    let program = ["build", "--profile", "test", "--package", "wavelift-host", "--bin", "wavelift"];
+    // As the tests of its package have it, so that nothing is compiled twice.
+    let program = ["test", "--no-run", "--package", "wavelift-host", "--test", "examples"];
     let failures = cargo(&program);
     if !failures.is_empty() {
         return failures;

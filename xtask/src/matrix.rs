@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::shell::{Failures, cargo, output};
+use crate::shell::{FAST, Failures, cargo, output};
 use crate::workspace::{KERNEL, Workspace, feature_sets};
 
 /// Builds the kernel for each target, with no features, each feature alone, each set, and all. A build, not a check:
@@ -33,9 +33,8 @@ pub(crate) fn run() -> Failures {
 }
 
 fn build(targets: &[&str], features: &[String]) -> Failures {
-    let fast = ["--config", "profile.dev.opt-level=0"];
     let mut arguments = vec!["build", "--quiet", "--keep-going", "--package", KERNEL];
-    arguments.extend(fast);
+    arguments.extend(FAST);
     arguments.extend(targets.iter().flat_map(|target| ["--target", target]));
     arguments.extend(features.iter().map(String::as_str));
     cargo(&arguments)

@@ -5,6 +5,10 @@ use std::process::{Command, Stdio};
 /// One line for each thing that is wrong; empty when the chore passed.
 pub(crate) type Failures = Vec<String>;
 
+/// What has cargo compile as fast as it can, for programs that run for a moment or not at all.
+pub(crate) const FAST: &[&str] =
+    &["--config", "profile.dev.opt-level=0", "--config", "profile.dev.debug=false"];
+
 /// Runs `cargo` with `arguments`, its output shown as it comes. A failure names the whole command.
 pub(crate) fn cargo(arguments: &[&str]) -> Failures {
     cargo_with(arguments, &[])

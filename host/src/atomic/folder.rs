@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::folder_of;
-use super::temporary::{Name, names};
+use super::register::Pending;
 
 /// A folder of files under construction: they show in their folder only with [`commit`](Self::commit).
 ///
@@ -18,8 +18,7 @@ use super::temporary::{Name, names};
 #[derive(Debug)]
 pub struct AtomicFolder {
     temporary: TempDir,
-    /// Its name outlives it.
-    _name: Name,
+    pending: Pending,
     target: PathBuf,
     is_new: bool,
 }
@@ -46,8 +45,8 @@ impl AtomicFolder {
         if let Some(mode) = new_folder_mode() {
             builder.permissions(mode);
         }
-        let (temporary, name) = Name::of(|| builder.tempdir_in(place), TempDir::path)?;
-        Ok(Self { temporary, _name: name, target: target.to_owned(), is_new })
+        let (temporary, pending) = Pending::named(|| builder.tempdir_in(place), TempDir::path)?;
+        Ok(Self { temporary, pending, target: target.to_owned(), is_new })
     }
 
     /// Where the files are to be written.
@@ -61,31 +60,37 @@ impl AtomicFolder {
     ///
     /// When one cannot be moved, as if another has its name by now; those that were moved are taken back.
     pub fn commit(self) -> io::Result<()> {
-        let _nothing_is_abandoned_now = names();
-        if self.is_new {
-            fs::rename(self.temporary.path(), &self.target)?;
+        let Self { temporary, pending, target, is_new } = self;
+        if is_new {
+            pending.appear(|| fs::rename(temporary.path(), &target))?;
             // The folder has another name now, and is nothing to be removed.
-            let _moved = self.temporary.keep();
-            sync(folder_of(&self.target));
+            let _moved = temporary.keep();
+            sync(folder_of(&target));
             return Ok(());
         }
-        let mut moved = Vec::new();
-        let outcome = fs::read_dir(self.temporary.path()).and_then(|mut entries| {
-            entries.try_for_each(|entry| {
-                let to = self.target.join(entry?.file_name());
-                move_file(self.temporary.path(), &to)?;
-                moved.push(to);
-                Ok(())
-            })
-        });
-        if outcome.is_err() {
-            moved.iter().for_each(|path| {
-                let _ = fs::remove_file(path);
-            });
-        }
-        sync(&self.target);
+        let outcome = pending.appear(|| move_all(temporary.path(), &target));
+        sync(&target);
         outcome
     }
+}
+
+/// Moves all files of a folder into another one, or none.
+fn move_all(from: &Path, target: &Path) -> io::Result<()> {
+    let mut moved = Vec::new();
+    let outcome = fs::read_dir(from).and_then(|mut entries| {
+        entries.try_for_each(|entry| {
+            let to = target.join(entry?.file_name());
+            move_file(from, &to)?;
+            moved.push(to);
+            Ok(())
+        })
+    });
+    if outcome.is_err() {
+        moved.iter().for_each(|path| {
+            let _ = fs::remove_file(path);
+        });
+    }
+    outcome
 }
 
 /// Moves the file that has the same name in `folder` to a path where none is.

@@ -1,6 +1,7 @@
 //! Output that appears whole or not at all.
 
 mod folder;
+mod register;
 mod temporary;
 mod tree;
 
@@ -9,8 +10,9 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 pub use folder::AtomicFolder;
+use register::Pending;
+pub use register::abandon_all;
 use temporary::Temporary;
-pub use temporary::abandon_all;
 pub use tree::AtomicTree;
 
 /// A file under construction: what is written shows at its path only with [`commit`](Self::commit).
@@ -40,6 +42,7 @@ pub use tree::AtomicTree;
 #[derive(Debug)]
 pub struct AtomicFile {
     target: Target,
+    pending: Pending,
 }
 
 #[derive(Debug)]
@@ -59,7 +62,7 @@ impl AtomicFile {
         let path = behind_links(path)?;
         if is_direct(&path) {
             let file = OpenOptions::new().write(true).open(path)?;
-            return Ok(Self { target: Target::Direct(BufWriter::new(file)) });
+            return Ok(Self { target: Target::Direct(BufWriter::new(file)), pending: Pending::nameless() });
         }
         if path.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
@@ -71,12 +74,12 @@ impl AtomicFile {
             }
             _ => cause,
         })?;
-        let temporary = Temporary::create(folder)?;
+        let (temporary, pending) = Temporary::create(folder)?;
         if let Ok(old) = fs::metadata(&path) {
             temporary.file().set_permissions(old.permissions())?;
         }
         let file = BufWriter::new(temporary.file().try_clone()?);
-        Ok(Self { target: Target::Replaced { file, temporary, path } })
+        Ok(Self { target: Target::Replaced { file, temporary, path }, pending })
     }
 
     /// Writes what is buffered, makes the storage keep it, and puts the file in its place; where the system can do so
@@ -86,15 +89,40 @@ impl AtomicFile {
     ///
     /// When any of the three fails; the old file, if there was one, is then still there, and no other.
     pub fn commit(self) -> io::Result<()> {
-        match self.target {
-            Target::Direct(mut file) => file.flush(),
-            Target::Replaced { file, temporary, path } => {
-                let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-                file.sync_all()?;
-                drop(file);
-                temporary.persist(&path)?;
+        Self::commit_in_turn([self]).map_err(|(_, cause)| cause)
+    }
+
+    /// Commits several files, which appear one after another, but all of them where the program is to end meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// As [`commit`](Self::commit), with the index of the file that fails; those before it may have appeared.
+    pub(crate) fn commit_in_turn<const N: usize>(files: [Self; N]) -> Result<(), (usize, io::Error)> {
+        let (mut stored, mut pending) = (Vec::new(), Vec::new());
+        for (index, file) in files.into_iter().enumerate() {
+            stored.push(file.target.store().map_err(|cause| (index, cause))?);
+            pending.push(file.pending);
+        }
+        Pending::appear_together(pending, || {
+            let files = stored.into_iter().enumerate();
+            let mut placed = files.filter_map(|(index, file)| Some((index, file?)));
+            placed.try_for_each(|(index, (temporary, path))| {
+                temporary.persist(&path).map_err(|cause| (index, cause))?;
                 folder::sync(folder_of(&path));
                 Ok(())
+            })
+        })
+    }
+}
+
+impl Target {
+    /// Writes what is buffered, and makes the storage keep it: the file that is to be put in its place, if it is one.
+    fn store(self) -> io::Result<Option<(Temporary, PathBuf)>> {
+        match self {
+            Self::Direct(mut file) => file.flush().map(|()| None),
+            Self::Replaced { file, temporary, path } => {
+                file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+                Ok(Some((temporary, path)))
             }
         }
     }

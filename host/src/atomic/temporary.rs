@@ -1,61 +1,12 @@
 //! Files that are not in their place yet.
 
-use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::path::Path;
 
 use tempfile::{Builder, NamedTempFile};
 
-/// Names that are to go when the program ends before their files are in place.
-static NAMES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-/// Nothing is abandoned while this is held.
-pub(super) fn names() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    NAMES.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Removes all files of this process that are not in their place yet, and keeps any from being made or put there.
-///
-/// Threads that try to wait for ever: it is for a program that ends at once, as on Ctrl-C.
-pub fn abandon_all() {
-    let mut names = names();
-    remove_all(&mut names);
-    std::mem::forget(names);
-}
-
-fn remove_all(names: &mut BTreeSet<PathBuf>) {
-    for path in std::mem::take(names) {
-        // What cannot be removed stays; nobody is left to be told. Others may still be writing into a folder.
-        let is_gone = || fs::remove_file(&path).is_ok() || fs::remove_dir_all(&path).is_ok();
-        let _ = (0..8).any(|_| is_gone());
-    }
-}
-
-/// A name among [`NAMES`], until this is dropped.
-#[derive(Debug)]
-pub(super) struct Name(PathBuf);
-
-impl Name {
-    /// Makes a file or a folder, and notes its name.
-    pub(super) fn of<T>(
-        make: impl FnOnce() -> io::Result<T>,
-        path: impl Fn(&T) -> &Path,
-    ) -> io::Result<(T, Self)> {
-        let mut names = names();
-        let made = make()?;
-        let path = path(&made).to_owned();
-        names.insert(path.clone());
-        Ok((made, Self(path)))
-    }
-}
-
-impl Drop for Name {
-    fn drop(&mut self) {
-        names().remove(&self.0);
-    }
-}
+use super::register::Pending;
 
 /// A file that vanishes unless it is put into a place: even when the process is killed, where the system has files
 /// without names (Linux, on most file systems); else it has a name like `.wavelift-1a2b3c.part` until then.
@@ -63,30 +14,29 @@ impl Drop for Name {
 pub(super) enum Temporary {
     #[cfg(target_os = "linux")]
     Nameless(File),
-    /// The name outlives the file.
-    Named(NamedTempFile, Name),
+    Named(NamedTempFile),
 }
 
 impl Temporary {
     /// A file in `folder`, with the mode of ordinary new files.
-    pub(super) fn create(folder: &Path) -> io::Result<Self> {
+    pub(super) fn create(folder: &Path) -> io::Result<(Self, Pending)> {
         #[cfg(target_os = "linux")]
         if let Some(file) = nameless::create(folder) {
-            return Ok(Self::Nameless(file));
+            return Ok((Self::Nameless(file), Pending::nameless()));
         }
         Self::named(folder)
     }
 
-    fn named(folder: &Path) -> io::Result<Self> {
-        let (file, name) = Name::of(|| builder().tempfile_in(folder), NamedTempFile::path)?;
-        Ok(Self::Named(file, name))
+    fn named(folder: &Path) -> io::Result<(Self, Pending)> {
+        let (file, pending) = Pending::named(|| builder().tempfile_in(folder), NamedTempFile::path)?;
+        Ok((Self::Named(file), pending))
     }
 
     pub(super) fn file(&self) -> &File {
         match self {
             #[cfg(target_os = "linux")]
             Self::Nameless(file) => file,
-            Self::Named(file, _) => file.as_file(),
+            Self::Named(file) => file.as_file(),
         }
     }
 
@@ -94,12 +44,8 @@ impl Temporary {
     pub(super) fn persist(self, path: &Path) -> io::Result<()> {
         match self {
             #[cfg(target_os = "linux")]
-            Self::Nameless(file) => {
-                let _nothing_is_abandoned_now = names();
-                nameless::persist(&file, path)
-            }
-            Self::Named(file, _name) => {
-                let _nothing_is_abandoned_now = names();
+            Self::Nameless(file) => nameless::persist(&file, path),
+            Self::Named(file) => {
                 file.persist(path)?;
                 Ok(())
             }
@@ -172,7 +118,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a");
             for bytes in [b"1", b"2"] {
-                let temporary = create(folder.path()).unwrap();
+                let (temporary, _pending) = create(folder.path()).unwrap();
                 temporary.file().write_all(bytes).unwrap();
                 temporary.persist(&path).unwrap();
                 assert_eq!((fs::read(&path).unwrap(), files(folder.path())), (bytes.to_vec(), 1));
@@ -180,23 +126,10 @@ mod tests {
             drop(create(folder.path()).unwrap());
             assert_eq!(files(folder.path()), 1);
             create(&folder.path().join("none")).unwrap_err();
-            let taken = create(folder.path()).unwrap();
+            let (taken, _pending) = create(folder.path()).unwrap();
             taken.persist(&folder.path().join("none/a")).unwrap_err();
             assert_eq!(files(folder.path()), 1);
         }
-    }
-
-    #[test]
-    fn names_are_removed_where_work_is_abandoned() {
-        let folder = tempfile::tempdir().unwrap();
-        let Temporary::Named(file, name) = Temporary::named(folder.path()).unwrap() else { unreachable!() };
-        assert!(names().contains(file.path()));
-        let mut own = BTreeSet::from([file.path().to_owned(), folder.path().join("none")]);
-        remove_all(&mut own);
-        assert_eq!((own.len(), files(folder.path())), (0, 0));
-        let path = file.path().to_owned();
-        drop((file, name));
-        assert!(!names().contains(&path));
     }
 
     #[cfg(target_os = "linux")]
@@ -204,7 +137,7 @@ mod tests {
     fn a_folder_of_the_system_has_files_without_names() {
         let folder = Path::new("/dev/shm");
         if folder.is_dir() {
-            assert!(matches!(Temporary::create(folder), Ok(Temporary::Nameless(_))));
+            assert!(matches!(Temporary::create(folder), Ok((Temporary::Nameless(_), _))));
         }
     }
 }

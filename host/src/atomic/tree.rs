@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use tempfile::TempDir;
 
 use super::folder::{new_folder_mode, sync};
-use super::temporary::{Name, names};
+use super::register::Pending;
 use super::{behind_links, folder_of};
 
 /// A folder with all that is in it, under construction: it shows at its path only with [`commit`](Self::commit).
@@ -20,8 +20,7 @@ use super::{behind_links, folder_of};
 #[derive(Debug)]
 pub struct AtomicTree {
     folder: TempDir,
-    /// Its name outlives it.
-    name: Name,
+    pending: Pending,
     path: PathBuf,
 }
 
@@ -48,8 +47,8 @@ impl AtomicTree {
         if let Some(mode) = new_folder_mode() {
             builder.permissions(mode);
         }
-        let (folder, name) = Name::of(|| builder.tempdir_in(around), TempDir::path)?;
-        Ok(Self { folder, name, path })
+        let (folder, pending) = Pending::named(|| builder.tempdir_in(around), TempDir::path)?;
+        Ok(Self { folder, pending, path })
     }
 
     /// The temporary folder, to put files into.
@@ -64,7 +63,7 @@ impl AtomicTree {
     ///
     /// When any of this fails; the old folder, if there was one, is then still there.
     pub fn commit(self) -> io::Result<()> {
-        let Self { folder, name, path } = self;
+        let Self { folder, pending, path } = self;
         let (mut files, mut folders) = (Vec::new(), vec![folder.path().to_owned()]);
         while let Some(inner) = folders.pop() {
             for entry in fs::read_dir(inner)? {
@@ -76,18 +75,13 @@ impl AtomicTree {
             }
         }
         files.par_iter().try_for_each(|file| File::open(file)?.sync_all())?;
-        {
-            let _nothing_is_abandoned_now = names();
-            match path.is_dir() {
-                true => replace(folder.path(), &path)?,
-                false => fs::rename(folder.path(), &path)?,
-            }
-        }
+        pending.appear(|| match path.is_dir() {
+            true => replace(folder.path(), &path),
+            false => fs::rename(folder.path(), &path),
+        })?;
         sync(folder_of(&path));
         // What has the temporary name now is the old folder, if there was one.
-        let removed = folder.close();
-        drop(name);
-        match removed {
+        match folder.close() {
             Err(cause) if cause.kind() != io::ErrorKind::NotFound => Err(cause),
             _ => Ok(()),
         }

@@ -31,6 +31,19 @@ pub enum Found {
     AtMost(u64),
 }
 
+impl Found {
+    /// What is wrong with a file where `expected` bytes should be.
+    const fn verdict(self, expected: u64) -> &'static str {
+        match self {
+            Self::Exactly(bytes) if bytes > expected => LONGER,
+            Self::MoreThan(_) => LONGER,
+            Self::Exactly(_) | Self::AtMost(_) => "it is damaged or cut short",
+        }
+    }
+}
+
+const LONGER: &str = "what follows them would be lost, so the header is wrong or something was appended";
+
 impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -86,8 +99,8 @@ pub enum ReadError {
     },
     /// More or fewer samples than the header of the file says.
     #[error(
-        "{}: the header promises {expected} bytes of samples, the file has {found}: it is damaged or cut short",
-        path.display()
+        "{}: the header promises {expected} bytes of samples, the file has {found}: {}",
+        path.display(), found.verdict(*expected)
     )]
     SampleBytes {
         /// File in question: the data file where header and data are detached.

@@ -147,11 +147,11 @@ pub(super) fn unknown(path: &Path) -> String {
         (&["zip", "tar", "tgz", "7z"], "an archive is not read: unpack it first"),
         (&["mgh", "mgz"], "FreeSurfer's format is not read: convert it with `mri_convert` to .nii.gz"),
         (
-            &["mrc", "map", "rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif"],
+            &["mrc", "map", "rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif", "fits", "fit", "fts"],
             "a file of this kind is not read",
         ),
         (
-            &["jpg", "jpeg", "jp2", "j2k", "jls", "jxl", "bmp", "gif", "webp"],
+            &["jpg", "jpeg", "jp2", "j2k", "jls", "jxl", "bmp", "gif", "webp", "pbm", "pam", "exr", "heic"],
             "pictures of this kind are not read: save them as .png or .tif",
         ),
     ];

@@ -7,27 +7,17 @@ use std::io::Cursor;
 use jpeg_decoder::{ColorTransform, Decoder, PixelFormat};
 
 use super::element::reorder;
+use super::raster::Raster;
 use super::{ByteOrder, ElementType};
-
-/// What a picture has to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Expected {
-    pub(super) width: u64,
-    pub(super) height: u64,
-    /// Values of a sample: 1 or 3.
-    pub(super) components: u32,
-    /// Bytes of a value, 1 or 2; one of 8 bits may fill two.
-    pub(super) bytes: usize,
-    /// Whether colours are stored as they are, rather than as brightness and two differences; `None` to take the
-    /// picture's word.
-    pub(super) is_rgb: Option<bool>,
-}
 
 /// The values of a picture, little-endian, those of a sample side by side; or what is wrong with it.
 ///
+/// Of three components `is_rgb` tells whether colours are stored as they are, rather than as brightness and two
+/// differences; `None` takes the picture's word.
+///
 /// Memory: that of the picture as it has to be; a larger one is refused before it is decoded.
-pub(super) fn decode(picture: &[u8], expected: Expected) -> Result<Vec<u8>, String> {
-    let Expected { width, height, components, bytes, is_rgb } = expected;
+pub(super) fn decode(picture: &[u8], expected: Raster, is_rgb: Option<bool>) -> Result<Vec<u8>, String> {
+    let Raster { width, height, components, bytes } = expected;
     let samples = width.saturating_mul(height).saturating_mul(components.into());
     let mut decoder = Decoder::new(Cursor::new(picture));
     decoder.set_max_decoding_buffer_size(usize::try_from(samples.saturating_mul(2)).unwrap_or(usize::MAX));
@@ -73,33 +63,33 @@ pub(super) mod tests {
         0x07, 0xFF, 0x00, 0x7F, 0xFD, 0x8E, 0xE1, 0xF9, 0xC5, 0x60, 0xFF, 0xD9,
     ];
 
-    const EXPECTED: Expected = Expected { width: 3, height: 2, components: 1, bytes: 2, is_rgb: None };
+    const EXPECTED: Raster = Raster { width: 3, height: 2, components: 1, bytes: 2 };
 
     #[test]
     fn twelve_bits_come_back_without_loss() {
         let values = [1_u16, 2048, 4095, 100, 3000, 7].map(u16::to_le_bytes).concat();
-        assert_eq!(decode(&LOSSLESS, EXPECTED), Ok(values));
+        assert_eq!(decode(&LOSSLESS, EXPECTED, None), Ok(values));
     }
 
     #[test]
     fn other_pictures_are_refused() {
         for expected in [
-            Expected { width: 4, ..EXPECTED },
-            Expected { height: 1, ..EXPECTED },
-            Expected { components: 3, ..EXPECTED },
-            Expected { bytes: 1, ..EXPECTED },
+            Raster { width: 4, ..EXPECTED },
+            Raster { height: 1, ..EXPECTED },
+            Raster { components: 3, ..EXPECTED },
+            Raster { bytes: 1, ..EXPECTED },
         ] {
-            let told = decode(&LOSSLESS, expected).unwrap_err();
+            let told = decode(&LOSSLESS, expected, None).unwrap_err();
             assert!(told.starts_with("it has 3x2 samples of 1 values of 16 bits"), "{told}");
         }
         for end in 0..LOSSLESS.len() {
-            let _either = decode(&LOSSLESS[..end], EXPECTED);
+            let _either = decode(&LOSSLESS[..end], EXPECTED, None);
         }
         for at in 0..LOSSLESS.len() {
             for by in 1..=255 {
                 let mut changed = LOSSLESS;
                 changed[at] ^= by;
-                let _either = decode(&changed, EXPECTED);
+                let _either = decode(&changed, EXPECTED, None);
             }
         }
     }

@@ -6,32 +6,24 @@ use std::panic::catch_unwind;
 
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 
+use super::raster::Raster;
+
 /// What every codestream begins with: its start, and the mark of its sizes.
 const START: [u8; 4] = [0xFF, 0x4F, 0xFF, 0x51];
 
 /// Where its sizes tell the depth of the first component, from the start on.
 const DEPTH: usize = 42;
 
-/// What a picture has to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Expected {
-    pub(super) width: u64,
-    pub(super) height: u64,
-    /// Values of a sample.
-    pub(super) components: usize,
-    /// Bytes of a value, 1 or 2; one of fewer bits fills them with its sign.
-    pub(super) bytes: usize,
-}
-
-/// The values of a picture, little-endian, those of a sample side by side; or what is wrong with it.
+/// The values of a picture, little-endian, those of a sample side by side; or what is wrong with it. Those of fewer
+/// bits have their sign in front.
 ///
 /// Memory: some bytes a value, and only for a picture that is as large as it has to be.
-pub(super) fn decode(picture: &[u8], expected: Expected) -> Result<Vec<u8>, String> {
+pub(super) fn decode(picture: &[u8], expected: Raster) -> Result<Vec<u8>, String> {
     // A damaged picture may lead to sums that overflow in the crate.
     catch_unwind(|| decode_trusting(picture, expected)).unwrap_or_else(|_| Err("it is damaged".to_owned()))
 }
 
-fn decode_trusting(picture: &[u8], expected: Expected) -> Result<Vec<u8>, String> {
+fn decode_trusting(picture: &[u8], expected: Raster) -> Result<Vec<u8>, String> {
     let settings = DecodeSettings { resolve_palette_indices: false, strict: true, target_resolution: None };
     let image = Image::new(picture, &settings).map_err(|cause| cause.to_string())?;
     let [width, height] = [image.width(), image.height()].map(u64::from);
@@ -45,7 +37,9 @@ fn decode_trusting(picture: &[u8], expected: Expected) -> Result<Vec<u8>, String
     let decoded = image.decode(&mut context).map_err(|cause| cause.to_string())?;
     let planes: Vec<&[f32]> = decoded.components().iter().map(|component| component.samples()).collect();
     let samples = (width * height) as usize;
-    if planes.len() != expected.components || planes.iter().any(|plane| plane.len() != samples) {
+    if planes.len() as u64 != u64::from(expected.components)
+        || planes.iter().any(|plane| plane.len() != samples)
+    {
         return Err(format!("it has {} components", planes.len()));
     }
     let mut values = Vec::with_capacity(samples * planes.len() * expected.bytes);
@@ -80,7 +74,7 @@ mod tests {
         0xE0, 0x28, 0x0E, 0x5C, 0x1B, 0x46, 0x12, 0x02, 0xE4, 0xE5, 0xC9, 0x8F, 0xFF, 0xD9,
     ];
 
-    const SIX: Expected = Expected { width: 3, height: 2, components: 1, bytes: 2 };
+    const SIX: Raster = Raster { width: 3, height: 2, components: 1, bytes: 2 };
 
     #[test]
     fn values_with_a_sign_and_without_are_read() {
@@ -95,10 +89,10 @@ mod tests {
     #[test]
     fn other_and_damaged_pictures_are_refused() {
         for other in [
-            Expected { width: 2, ..SIX },
-            Expected { height: 3, ..SIX },
-            Expected { components: 3, ..SIX },
-            Expected { bytes: 1, ..SIX },
+            Raster { width: 2, ..SIX },
+            Raster { height: 3, ..SIX },
+            Raster { components: 3, ..SIX },
+            Raster { bytes: 1, ..SIX },
         ] {
             decode(&SIGNED, other).unwrap_err();
         }

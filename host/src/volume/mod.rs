@@ -28,6 +28,7 @@ mod packbits;
 mod planes;
 mod png;
 mod pnm;
+mod raster;
 mod raw;
 mod rearranged;
 pub(crate) mod sample;

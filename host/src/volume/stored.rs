@@ -310,11 +310,16 @@ impl Sink for StoredSink {
             Writer::Gzip(encoder) => encoder.finish(),
             Writer::Zlib(encoder) => finish_zlib(encoder, size_at),
         };
-        file.and_then(AtomicFile::commit).map_err(|cause| WriteError::Io { path: path.clone(), cause })?;
-        let Some((file, next)) = next else { return Ok(()) };
-        file.commit().map_err(|cause| {
-            let _samples_without_header = std::fs::remove_file(&path);
-            WriteError::Io { path: next, cause }
+        let file = file.map_err(|cause| WriteError::Io { path: path.clone(), cause })?;
+        let Some((header, next)) = next else {
+            return file.commit().map_err(|cause| WriteError::Io { path, cause });
+        };
+        AtomicFile::commit_in_turn([file, header]).map_err(|(index, cause)| match index {
+            0 => WriteError::Io { path, cause },
+            _ => {
+                let _samples_without_header = std::fs::remove_file(&path);
+                WriteError::Io { path: next, cause }
+            }
         })
     }
 }

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-/// Path of the program, built with the profile of the tests. It belongs to another package, whose programs Cargo
-/// does not build for the tests of this one.
+/// Path of the program, as Cargo builds it for the tests of its package: it builds none for those of this one.
 pub(crate) fn path() -> &'static Path {
     static PROGRAM: LazyLock<PathBuf> = LazyLock::new(build);
     &PROGRAM
@@ -15,7 +14,8 @@ pub(crate) fn path() -> &'static Path {
 
 fn build() -> PathBuf {
     let output = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--profile", "test", "--package", "wavelift-host", "--bin", "wavelift"])
+        // A program that is built alone has other features than one for tests, and would be compiled once more.
+        .args(["test", "--quiet", "--no-run", "--package", "wavelift-host", "--test", "examples"])
         .args(["--message-format", "json-render-diagnostics"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .stderr(Stdio::inherit())
@@ -25,7 +25,8 @@ fn build() -> PathBuf {
     let messages = String::from_utf8(output.stdout).expect("messages are UTF-8");
     let program = messages.lines().find_map(|line| {
         let message: Value = serde_json::from_str(line).expect("a message is JSON");
-        message["executable"].as_str().map(PathBuf::from)
+        let is_program = message["target"]["kind"] == json!(["bin"]) && message["profile"]["test"] == false;
+        message["executable"].as_str().filter(|_| is_program).map(PathBuf::from)
     });
     program.expect("Cargo tells where the program is")
 }

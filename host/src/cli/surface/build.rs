@@ -95,12 +95,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let built = pipeline::build(source, &options, &mut observe)
         .map_err(|error| Failure::at(&args.input, fault(&error), error))?;
-    if let Some(folder) = &args.keep {
-        keep(folder, &built)?;
-    }
     let surface = &built.wrapped.surface;
     let cell = built.distance.grid().cell_edge();
     let encoded = file::encode(&args.input, surface, &args.how.settings(FINE * cell))?;
+    // One after another, so that little is left to do once the first has appeared.
+    if let Some(folder) = &args.keep {
+        keep(folder, &built)?;
+    }
     write_bytes(&args.output, &encoded.bytes)?;
     let fit = fit(&built);
     warn(&built, is_mesh(&args.input));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 use wavelift_host::measure::SurfaceDistance;
 use wavelift_host::mesh::{Point, PolygonMesh};
-use wavelift_host::picture::{Camera, Picture};
+use wavelift_host::picture::{Camera, Image, Picture};
 use wavelift_host::subdivision::{Hierarchy, SubdivisionSurface};
 use wavelift_host::surface_wavelet::{Basis, Norms, forward, inverse, keep_largest};
 use wavelift_host::volume::Fault;
@@ -64,10 +64,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     forward(Basis::Bicubic, &hierarchy, &mut coefficients);
     let norms = Norms::new(Basis::Bicubic, hierarchy.steps().len());
     let exact = surface.level(surface.levels).triangulated();
-    if let Some(folder) = &args.pictures {
-        std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
-        draw(&folder.join(BASE), &surface.level(0))?;
-        draw(&folder.join(ALL), &surface.level(surface.levels))?;
+    let mut drawn = Vec::new();
+    if args.pictures.is_some() {
+        drawn.push((BASE.to_owned(), draw(&surface.level(0))));
+        drawn.push((ALL.to_owned(), draw(&surface.level(surface.levels))));
     }
     let mut rows = Vec::new();
     for (share, text) in TABLE_1 {
@@ -77,8 +77,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         inverse(Basis::Bicubic, &hierarchy, &mut kept);
         let squares: f64 = kept.iter().zip(&surface.positions).map(|(a, b)| a.distance_squared(*b)).sum();
         let rough = SubdivisionSurface { positions: kept, ..surface.clone() }.level(surface.levels);
-        if let Some(folder) = &args.pictures {
-            draw(&folder.join(picture(share)), &rough)?;
+        if args.pictures.is_some() {
+            drawn.push((picture(share), draw(&rough)));
         }
         let distance = SurfaceDistance::between(&exact, &rough.triangulated(), args.samples);
         let percent = 100.0 / args.cell;
@@ -89,6 +89,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             vertices: percent * (squares / surface.positions.len() as f64).sqrt(),
             surface: percent * distance.map_or(0.0, |distance| distance.rms(1.0)),
         });
+    }
+    if let Some(folder) = &args.pictures {
+        write_pictures(folder, &drawn)?;
     }
     if args.json { print_json(&document(&surface, &rows)) } else { print(&text(&surface, &rows)) }
 }
@@ -110,10 +113,16 @@ fn pictures() -> impl Iterator<Item = String> {
 /// Pixels along each side of a picture.
 const SIDE: u32 = 480;
 
-fn draw(path: &Path, mesh: &PolygonMesh) -> Result<(), Failure> {
+fn draw(mesh: &PolygonMesh) -> Image {
     let camera = Camera { towards: Point::new(0.5, -1.0, 0.45), up: Point::Z, ..Camera::default() };
-    let image = Picture { size: [SIDE; 2], camera, ..Picture::default() }.draw(mesh, None);
-    image.write_png(path).map_err(|error| Failure::new(Fault::Io, error))
+    Picture { size: [SIDE; 2], camera, ..Picture::default() }.draw(mesh, None)
+}
+
+/// Writes one picture after another, so that little is left to do once the first has appeared.
+fn write_pictures(folder: &Path, drawn: &[(String, Image)]) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|cause| Failure::cannot_write(folder, &cause))?;
+    let write = |(name, image): &(String, Image)| image.write_png(&folder.join(name));
+    drawn.iter().try_for_each(write).map_err(|error| Failure::new(Fault::Io, error))
 }
 
 fn document(surface: &SubdivisionSurface, rows: &[Row]) -> serde_json::Value {

@@ -7,6 +7,7 @@ use super::dataset::{DataSet, Packing, Pixels};
 use crate::volume::element::reorder;
 use crate::volume::input::Input;
 use crate::volume::packbits::unpack_bits;
+use crate::volume::raster::Raster;
 use crate::volume::{ByteOrder, ElementType};
 use crate::volume::{jpeg, jpeg2000};
 
@@ -183,8 +184,7 @@ impl Layout {
                     input.take(bytes).read_to_end(&mut stored).map_err(|_| damaged())?;
                 }
                 match self.packing {
-                    Packing::Jpeg => out.copy_from_slice(&self.decode(&stored)?),
-                    Packing::Jpeg2000 => out.copy_from_slice(&self.decode_2000(&stored)?),
+                    Packing::Jpeg | Packing::Jpeg2000 => out.copy_from_slice(&self.decode(&stored)?),
                     _ => self.unpack(&stored, out).ok_or_else(damaged)?,
                 }
             }
@@ -204,27 +204,19 @@ impl Layout {
         }
     }
 
-    /// A frame of JPEG.
+    /// A frame that is a picture itself.
     fn decode(&self, stored: &[u8]) -> Result<Vec<u8>, DicomError> {
-        let expected = jpeg::Expected {
-            width: self.columns.into(),
-            height: self.rows.into(),
-            components: self.samples.into(),
-            bytes: self.element.bytes(),
-            is_rgb: Some(self.is_rgb),
-        };
-        jpeg::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
-    }
-
-    /// A frame of JPEG 2000.
-    fn decode_2000(&self, stored: &[u8]) -> Result<Vec<u8>, DicomError> {
-        let expected = jpeg2000::Expected {
+        let raster = Raster {
             width: self.columns.into(),
             height: self.rows.into(),
             components: self.samples.into(),
             bytes: self.element.bytes(),
         };
-        jpeg2000::decode(stored, expected).map_err(|cause| DicomError::Jpeg { cause })
+        let decoded = match self.packing {
+            Packing::Jpeg2000 => jpeg2000::decode(stored, raster),
+            _ => jpeg::decode(stored, raster, Some(self.is_rgb)),
+        };
+        decoded.map_err(|cause| DicomError::Jpeg { cause })
     }
 
     /// A frame of run lengths: a segment for each byte of a value, the most significant one first.

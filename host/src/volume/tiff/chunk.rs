@@ -10,9 +10,9 @@ use weezl::decode::Decoder as LzwDecoder;
 use super::TiffError;
 use crate::volume::element::reorder;
 use crate::volume::half::widened;
-use crate::volume::jpeg;
 use crate::volume::packbits::unpack_bits;
-use crate::volume::{ByteOrder, ElementType};
+use crate::volume::raster::Raster;
+use crate::volume::{ByteOrder, ElementType, jpeg, jpeg2000};
 
 /// How chunks are compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,7 @@ pub(super) enum Compression {
     Deflate,
     PackBits,
     Jpeg,
+    Jpeg2000,
     Zstd,
 }
 
@@ -34,10 +35,12 @@ impl Compression {
             7 => return Ok(Self::Jpeg),
             8 | 32_946 => return Ok(Self::Deflate),
             32_773 => return Ok(Self::PackBits),
+            33_005 | 34_712 => return Ok(Self::Jpeg2000),
             50_000 => return Ok(Self::Zstd),
             2..=4 => "fax",
             6 => "JPEG of the old kind",
-            33_003 | 33_005 | 34_712 => "JPEG 2000",
+            33_003 => "JPEG 2000 of brightness and two differences",
+            34_887 => "LERC",
             34_925 => "LZMA",
             50_001 => "WebP",
             50_002 => "JPEG XL",
@@ -46,15 +49,15 @@ impl Compression {
         Err(TiffError::Compression { code, name })
     }
 
-    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW; of JPEG
-    /// and Zstandard, more than are met.
+    /// Bytes that one byte can stand for at most: 258 for two bits in deflate (RFC 1951), 4096 for a code in LZW; of JPEG,
+    /// JPEG 2000 and Zstandard, more than are met.
     pub(super) const fn expansion(self) -> u64 {
         match self {
             Self::None => 1,
             Self::Lzw => 4096,
             Self::Deflate => 4 * 258,
             Self::PackBits => 64,
-            Self::Jpeg => 1024,
+            Self::Jpeg | Self::Jpeg2000 => 1024,
             Self::Zstd => 1 << 16,
         }
     }
@@ -79,17 +82,25 @@ impl Chunk {
     /// The values of a chunk of JPEG, whose tables may lie elsewhere; as [`Chunk::decode`]. Colours come out as red,
     /// green and blue.
     pub(super) fn decode_jpeg(self, tables: &[u8], stored: &[u8], is_rgb: bool) -> Option<Vec<u8>> {
-        let expected = jpeg::Expected {
+        // Both are whole streams; together they are one, without the end of the first and the start of the second.
+        let tables = tables.strip_suffix(&[0xFF, 0xD9]).unwrap_or(tables);
+        let rest = if tables.is_empty() { stored } else { stored.strip_prefix(&[0xFF, 0xD8])? };
+        jpeg::decode(&[tables, rest].concat(), self.raster(), Some(is_rgb)).ok()
+    }
+
+    /// The values of a chunk of JPEG 2000; as [`Chunk::decode`].
+    pub(super) fn decode_jpeg2000(self, stored: &[u8]) -> Option<Vec<u8>> {
+        jpeg2000::decode(stored, self.raster()).ok()
+    }
+
+    /// What a chunk holds that is a picture itself.
+    fn raster(self) -> Raster {
+        Raster {
             width: self.width as u64,
             height: self.rows as u64,
             components: self.samples as u32,
             bytes: self.element.bytes(),
-            is_rgb: Some(is_rgb),
-        };
-        // Both are whole streams; together they are one, without the end of the first and the start of the second.
-        let tables = tables.strip_suffix(&[0xFF, 0xD9]).unwrap_or(tables);
-        let rest = if tables.is_empty() { stored } else { stored.strip_prefix(&[0xFF, 0xD8])? };
-        jpeg::decode(&[tables, rest].concat(), expected).ok()
+        }
     }
 
     /// Whether values are floats of 16 bits.
@@ -173,7 +184,7 @@ fn decompress(compression: Compression, stored: &[u8], bytes: usize) -> Option<V
         Compression::None => stored.get(..bytes).map(<[u8]>::to_vec),
         Compression::PackBits => unpack_bits(stored, bytes),
         // Not here.
-        Compression::Jpeg => None,
+        Compression::Jpeg | Compression::Jpeg2000 => None,
         Compression::Zstd => {
             let mut data = Vec::new();
             StreamingDecoder::new(stored).ok()?.take(bytes as u64).read_to_end(&mut data).ok()?;

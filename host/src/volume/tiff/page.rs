@@ -306,6 +306,7 @@ impl Pages {
         };
         let values = match page.compression {
             Compression::Jpeg => chunk.decode_jpeg(&page.tables, &stored, page.is_rgb)?,
+            Compression::Jpeg2000 => chunk.decode_jpeg2000(&stored)?,
             compression => chunk.decode(compression, &stored)?,
         };
         let bytes = page.element.bytes();

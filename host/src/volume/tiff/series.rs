@@ -159,6 +159,13 @@ pub(super) fn pixels(text: &str) -> Option<&str> {
     found.next().is_none().then_some(&rest[..rest.find('>')?])
 }
 
+/// Samples of a page of the first channel that an OME-XML document describes.
+pub(super) fn samples_of_channel(text: &str) -> u32 {
+    let channel = text.match_indices("Channel ").find(|(at, _)| text[..*at].ends_with(['<', ':']));
+    let tag = channel.map(|(at, _)| text[at..].split('>').next().unwrap_or_default());
+    tag.and_then(|tag| attribute(tag, "SamplesPerPixel")?.parse().ok()).unwrap_or(1)
+}
+
 /// Value of an attribute in a start tag.
 pub(super) fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     let (at, _) = tag.match_indices(name).find(|(at, _)| {
@@ -182,6 +189,8 @@ mod tests {
         assert_eq!(attribute(tag, "PhysicalSizeX"), Some("0.5"));
         assert_eq!(attribute(tag, "DimensionOrder"), Some("XYZCT"));
         assert_eq!(attribute(tag, "SizeC"), None);
+        assert_eq!(samples_of_channel(xml), 1);
+        assert_eq!(samples_of_channel("<Pixels><x:Channel ID=\"0\" SamplesPerPixel=\"3\"><a/>"), 3);
         assert_eq!(pixels("<Pixels >"), None);
         assert_eq!(line("ImageJ=1\nimages=6\n", "images"), Some("6"));
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::series::{Series, line, pixels};
+use super::series::{Series, line, pixels, samples_of_channel};
 use super::text::{BITS, NUMBERS, PHOTOMETRIC, RESOLUTIONS, TEXTS, usual_photometric};
 use crate::atomic::AtomicFile;
 use crate::volume::element::{reorder, write_samples};
@@ -46,7 +46,10 @@ pub(super) fn create(path: &Path, header: &Header, options: &WriteOptions) -> Re
         return Err(cannot("pages of that size"));
     }
     let file = AtomicFile::create(path).map_err(|cause| WriteError::Io { path: path.to_owned(), cause })?;
-    let left = losses(&plan.left);
+    let mut left = losses(&plan.left);
+    for name in left.iter_mut().filter(|name| plan.holds_spacings && *name == "space directions") {
+        *name += " (only the distances of samples are kept)";
+    }
     let form = Form { order, is_big, is_deflated: options.gzip };
     let writer = Writer {
         file,
@@ -107,6 +110,8 @@ struct Plan {
     extra_samples: Vec<u64>,
     resolutions: [Option<(u32, u32)>; 2],
     resolution_unit: u64,
+    /// Whether the distances of samples along all axes are in the file.
+    holds_spacings: bool,
     /// What no page can hold.
     left: Metadata,
 }
@@ -119,7 +124,8 @@ impl Plan {
         let description = if description.starts_with("{\"shape\"") { "" } else { description };
         let is_color = matches!(header.components, 3 | 4)
             && matches!(header.element, ElementType::U8 | ElementType::U16)
-            && line(description, "channels").is_none();
+            && line(description, "channels").is_none()
+            && (pixels(description).is_none() || samples_of_channel(description) == header.components);
         let is_together = is_color || metadata.key_value("tiff.ExtraSamples").is_some();
         let samples = if is_together { header.components } else { 1 };
         let channels = header.components / samples;
@@ -147,6 +153,7 @@ impl Plan {
             extra_samples,
             resolutions: [None; 2],
             resolution_unit: 1,
+            holds_spacings: false,
             left: metadata.clone(),
         };
         plan.describe(header, description);
@@ -156,14 +163,8 @@ impl Plan {
     /// Fills in texts and distances, and takes what they say out of what is left.
     fn describe(&mut self, header: &Header, old: &str) {
         let metadata = &header.metadata;
-        let spacings: Vec<f64> = metadata
-            .field("spacings")
-            .unwrap_or_default()
-            .split_whitespace()
-            .map(|word| word.parse().unwrap_or(f64::NAN))
-            .collect();
-        let units: Vec<&str> =
-            metadata.field("units").unwrap_or_default().split('"').skip(1).step_by(2).collect();
+        let spacings = spacings(metadata);
+        let units = units(metadata);
         let unit = units.first().copied().filter(|unit| units.iter().all(|other| other == unit));
         let is_ome = self.is_of_ome(header, old);
         let needs_imagej = self.channels > 1 || header.steps > 1 || old.starts_with("ImageJ=");
@@ -202,6 +203,7 @@ impl Plan {
                 .extend(text.filter(|text| !text.contains('\0')).map(|text| (tag.to_u16(), text.to_owned())));
         }
         let holds_spacings = is_imagej || is_ome || has_unit && header.extent[2] == 1;
+        self.holds_spacings = holds_spacings && spacings.iter().all(|spacing| *spacing > 0.0);
         self.left.lines.retain(|line| match line {
             HeaderLine::Field { name, .. } => {
                 !(holds_spacings && (is_same_name(name, "spacings") || is_same_name(name, "units")))
@@ -242,11 +244,34 @@ impl Plan {
             Series::sized([self.channels.into(), z, header.steps], order.get(2..).unwrap_or_default());
         super::series::attribute(pixels, "Type") == Some(name)
             && sizes.iter().all(|(name, expected)| size(name) == Some(*expected))
+            && samples_of_channel(description) == self.samples
             && order.is_in_order()
     }
 
     fn numbers_bytes(&self) -> u64 {
         2 * (self.color_map.len() + 3 * self.samples as usize) as u64
+    }
+}
+
+/// Distances of samples along x, y and z; not a number where nobody says. Those of a space are its steps' lengths.
+fn spacings(metadata: &Metadata) -> Vec<f64> {
+    let given = metadata.space_entries("spacings");
+    let given = given.map(|all| all.iter().map(|(_, text)| text.parse().unwrap_or(f64::NAN)).collect());
+    let of_space = || metadata.spacing().map(Vec::from);
+    given.filter(|all: &Vec<f64>| all.iter().any(|one| !one.is_nan())).or_else(of_space).unwrap_or_default()
+}
+
+/// Units of those.
+fn units(metadata: &Metadata) -> Vec<&str> {
+    let quoted = |text: &'_ str| text.split('"').nth(1).is_some();
+    let given = metadata.space_entries("units").unwrap_or_default();
+    let given: Vec<&str> =
+        given.iter().filter(|(_, text)| quoted(text)).map(|(_, text)| text.trim_matches('"')).collect();
+    match metadata.field("space units") {
+        Some(text) if given.iter().all(|unit| unit.is_empty()) => {
+            text.split('"').skip(1).step_by(2).collect()
+        }
+        _ => given,
     }
 }
 
