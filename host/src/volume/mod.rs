@@ -216,6 +216,9 @@ fn losses(metadata: &Metadata) -> Vec<String> {
     for line in &metadata.lines {
         match line {
             HeaderLine::Comment(_) => comments += 1,
+            HeaderLine::KeyValue { key, value } if is_rescaling(key, value) => {
+                losses.push(format!("rescaling ({} {})", error::excerpt(key), error::excerpt(value)));
+            }
             HeaderLine::KeyValue { .. } => pairs += 1,
             HeaderLine::Field { .. } => losses.push(name_of(line)),
         }
@@ -228,6 +231,18 @@ fn losses(metadata: &Metadata) -> Vec<String> {
         }
     }
     losses
+}
+
+/// Whether a pair says that values stand for other numbers: by a slope, which is 1 if not (0 or none in NIfTI), or an
+/// intercept, which is 0 if not.
+fn is_rescaling(key: &str, value: &str) -> bool {
+    let usual: &[f64] = match key {
+        "nifti.scl_slope" | "dicom.0028,1053" => &[0.0, 1.0],
+        "nifti.scl_inter" | "dicom.0028,1052" => &[0.0],
+        _ => return false,
+    };
+    let is_usual = |number: f64| number.is_nan() || usual.contains(&number);
+    !value.split(';').all(|text| text.trim().parse().is_ok_and(is_usual))
 }
 
 /// A line of a header in a few words; texts from the file are shortened and cannot write to a terminal.

@@ -251,3 +251,26 @@ fn a_fifo_is_read_to_its_end() {
         }
     }
 }
+
+#[test]
+fn a_lost_rescaling_is_named() {
+    for (key, value, is_named) in [
+        ("nifti.scl_slope", "2.5", true),
+        ("nifti.scl_slope", "0", false),
+        ("nifti.scl_slope", "NaN", false),
+        ("nifti.scl_inter", "0", false),
+        ("dicom.0028,1052", "-1024.0", true),
+        ("dicom.0028,1053", "1.0;1.0;1.1", true),
+        ("dicom.0028,1053", "1.0;1.0", false),
+        ("other", "2.5", false),
+    ] {
+        let mut metadata = Metadata::plain(3, FileFormat::Raw);
+        metadata.set_key_value(key, value);
+        let expected = if is_named {
+            format!("rescaling (\"{key}\" \"{value}\")")
+        } else {
+            "1 key/value pair".to_owned()
+        };
+        assert_eq!(losses(&metadata), [expected]);
+    }
+}

@@ -242,13 +242,13 @@ fn set_units(metadata: &Metadata, fields: &mut Fields) {
     }
 }
 
+/// Fields of the scale of values, and DICOM's keys for it.
+const SCALE: [(&str, &str); 2] = [("scl_slope", "dicom.0028,1053"), ("scl_inter", "dicom.0028,1052")];
+
 /// Takes over what other formats say in words of their own: a name, and the scale of DICOM's values.
 fn adopt(metadata: &Metadata, fields: &mut Fields) {
-    for (name, found) in [
-        ("descrip", metadata.name()),
-        ("scl_slope", metadata.key_value("dicom.0028,1053")),
-        ("scl_inter", metadata.key_value("dicom.0028,1052")),
-    ] {
+    let scale = SCALE.map(|(name, key)| (name, metadata.key_value(key)));
+    for (name, found) in scale.into_iter().chain([("descrip", metadata.name())]) {
         if let (None, Some(text)) = (fields.text(name), found) {
             fields.set(name, text.trim().to_owned());
         }
@@ -270,10 +270,11 @@ fn losses(metadata: &Metadata) -> Vec<String> {
                 || is_oriented && line.is_geometry()
                 || is("kinds") && (is_colour(value) || is_plain(value)))
         }
-        HeaderLine::KeyValue { key, .. } => {
+        HeaderLine::KeyValue { key, value } => {
             let name = key.strip_prefix(PREFIX);
             let is_own = name.is_some_and(Fields::is_name) || key.starts_with(EXTENSION);
-            !is_own && ![VERSION, DIM, DATATYPE].contains(&key.as_str())
+            let is_scale = SCALE.iter().any(|(_, known)| known == key) && value.trim().parse::<f64>().is_ok();
+            !is_own && !is_scale && ![VERSION, DIM, DATATYPE].contains(&key.as_str())
         }
         HeaderLine::Comment(_) => true,
     });
