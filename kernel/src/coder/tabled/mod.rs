@@ -15,7 +15,6 @@ mod narrow;
 mod neighbours;
 mod numerals;
 mod own;
-mod rank;
 mod tables;
 mod token;
 mod train;
