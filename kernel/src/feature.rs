@@ -11,6 +11,11 @@ use crate::Wavelet;
 pub enum Feature {
     /// That wavelet, both ways: the feature of its name, or `wavelets` for all.
     Wavelet(Wavelet),
+    /// Distributions that adapt, to encode, [`Effort::Fast`](crate::Effort::Fast) and all below but [`Feature::Light`], and
+    /// to decode: feature `adaptive`.
+    Adaptive,
+    /// Few decisions a sample, to encode, [`Effort::Light`](crate::Effort::Light), and to decode: feature `light`.
+    Light,
     /// Predictors with weights, to train and to decode: feature `trained`.
     Trained,
     /// Tables of frequencies, to encode and to decode, [`Effort::Tabled`](crate::Effort::Tabled) and, with
@@ -34,6 +39,8 @@ impl Feature {
             Self::Wavelet(Wavelet::Linear) => cfg!(feature = "linear"),
             Self::Wavelet(Wavelet::Cubic) => cfg!(feature = "cubic"),
             Self::Wavelet(Wavelet::Quintic) => cfg!(feature = "quintic"),
+            Self::Adaptive => cfg!(feature = "adaptive"),
+            Self::Light => cfg!(feature = "light"),
             Self::Trained => cfg!(feature = "trained"),
             Self::Tabled => cfg!(feature = "tabled"),
             Self::Dense => cfg!(feature = "dense"),
@@ -47,6 +54,8 @@ impl fmt::Display for Feature {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Wavelet(wavelet) => wavelet.name(),
+            Self::Adaptive => "adaptive",
+            Self::Light => "light",
             Self::Trained => "trained",
             Self::Tabled => "tabled",
             Self::Dense => "dense",

@@ -7,6 +7,8 @@ use wavelift_kernel::{Dense, Effort as Lending, Training};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Effort {
+    /// Few decisions a sample.
+    Light,
     /// Predictions and tables that the codestream brings.
     Tabled,
     /// As that, from as many samples as trained predictors.
@@ -21,11 +23,12 @@ pub enum Effort {
 
 impl Effort {
     /// Every effort whose codestreams `Codec::decode` decodes.
-    pub const ALL: [Self; 4] = [Self::Fast, Self::Default, Self::Tabled, Self::Wide];
+    pub const ALL: [Self; 5] = [Self::Fast, Self::Default, Self::Tabled, Self::Wide, Self::Light];
 
     /// Runs with the effort as the kernel has it, and new memory to train in.
     pub fn lend<T>(self, run: impl FnOnce(Lending<'_>) -> T) -> T {
         match self {
+            Self::Light => run(Lending::Light),
             Self::Tabled => run(Lending::Tabled),
             Self::Wide => run(Lending::Wide(&mut { Training::NEW })),
             Self::Fast => run(Lending::Fast),

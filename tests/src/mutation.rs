@@ -32,6 +32,8 @@ const MOST_MEMORY: usize = 1 << 14;
 pub enum Kind {
     /// As an adaptive coder leaves them.
     Coded,
+    /// The same, in few decisions each.
+    Light,
     /// The same, densely.
     Dense,
     /// Within a distance.
@@ -56,6 +58,7 @@ impl Kind {
             [b'w', b'S', 2, 0, ..] => Self::Rows,
             [b'w', b'S', 2, 1, ..] => Self::Slabs,
             [b'w', b'L', 2, 0, ..] => Self::Coded,
+            [b'w', b'L', 2, 5, ..] => Self::Light,
             [b'w', b'L', 2, 1, ..] => Self::Dense,
             [b'w', b'L', 2, 2, ..] => Self::Lattice,
             [b'w', b'L', 2, 3, ..] => Self::Tabled,

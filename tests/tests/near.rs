@@ -22,7 +22,11 @@ fn encode(near: Near, samples: &[i32]) -> Vec<u8> {
     let len = { Lattice::NEW }.encode(near, &mut samples, &mut scratch, &mut out).unwrap();
     assert_eq!(samples, before, "the samples are what they were");
     out.truncate(len);
-    assert_eq!(decode(&out, 0).as_deref(), Ok(&scratch[..samples.len()]), "the encoder knows what is decoded");
+    assert_eq!(
+        decode(&out, 0).as_deref(),
+        Ok(&scratch[..samples.len()]),
+        "the encoder knows what is decoded"
+    );
     out
 }
 

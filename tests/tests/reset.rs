@@ -26,7 +26,7 @@ fn sample(effort: Effort, wavelet: Wavelet, axes: [u32; 3], levels: u8, input: &
     Sample { effort, plan, samples, bytes, header }
 }
 
-fn samples() -> [Sample; 8] {
+fn samples() -> [Sample; 9] {
     let waves = Input::Waves { periods: [9, 13, 19], amplitude: 9000, offset: -1000 };
     let faint = Input::Waves { periods: [40, 1, 1], amplitude: 20, offset: 0 };
     [
@@ -60,6 +60,7 @@ fn samples() -> [Sample; 8] {
             0,
             &Input::Noise { bits: 6, offset: 0, seed: 5 },
         ),
+        sample(Effort::Light, Wavelet::Linear, [19, 18, 3], 1, &Input::Noise { bits: 6, offset: 0, seed: 6 }),
         sample(
             Effort::Tabled,
             Wavelet::Haar,

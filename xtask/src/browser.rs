@@ -88,8 +88,8 @@ struct Manifest {
     vector: Vec<Vector>,
 }
 
-/// How streams begin, in hexadecimal: "wS".
-const STREAM: &str = "7753";
+/// How streams begin, in hexadecimal, "wS", and light codestreams, "wL" and storage 5 of version 2.
+const NOT_IN_PAGE: [&str; 2] = ["7753", "774c0205"];
 
 fn vectors() -> Result<Vec<Vector>, String> {
     let folder = Path::new("vectors");
@@ -103,8 +103,8 @@ fn vectors() -> Result<Vec<Vector>, String> {
             fs::read(folder.join(&vector.file)).map_err(|error| format!("{}: {error}", vector.file))?;
         vector.hex = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     }
-    // The page decodes no streams.
-    vectors.retain(|vector| !vector.hex.starts_with(STREAM));
+    // The page decodes no streams, and the module is built without what processors for which it is too large encode.
+    vectors.retain(|vector| !NOT_IN_PAGE.iter().any(|beginning| vector.hex.starts_with(beginning)));
     Ok(vectors)
 }
 

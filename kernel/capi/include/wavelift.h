@@ -162,8 +162,8 @@ size_t wavelift_samples_len(const wavelift_plan *plan);
  * they are, and 26 bytes. 0, too, if they are 4 GiB or more, which no codestream holds. */
 size_t wavelift_max_encoded_len(const wavelift_plan *plan);
 
-/* Elements of scratch that wavelift_encode and wavelift_encode_tabled take, and wavelift_decode of what they encoded.
- */
+/* Elements of scratch that wavelift_encode, wavelift_encode_light and wavelift_encode_tabled take, and wavelift_decode
+ * of what they encoded. */
 size_t wavelift_scratch_len(const wavelift_plan *plan);
 
 /* Elements of scratch that wavelift_encode_dense takes, and wavelift_decode_dense of what it encoded. */
@@ -187,6 +187,11 @@ size_t wavelift_near_scratch_len(const wavelift_plan *plan);
  * and the codestream longer. Uses the samples up: afterwards they mean nothing. */
 wavelift_error wavelift_encode(wavelift_codec *codec, wavelift_training *training, const wavelift_plan *plan,
                                const wavelift_lent *lent, uint8_t *out, size_t *out_len);
+
+/* Encodes without loss in few instructions a sample, for small processors: the codestream is about as long as that of
+ * wavelift_encode without memory for training. Uses the samples up. */
+wavelift_error wavelift_encode_light(wavelift_codec *codec, const wavelift_plan *plan, const wavelift_lent *lent,
+                                     uint8_t *out, size_t *out_len);
 
 /* Encodes without loss, quickest both ways, slices and bricks with 0 levels of 16,384 samples or more that span at most
  * 19 bits. With memory for training the codestream is nearly as short as that of wavelift_encode with it, and samples
@@ -213,7 +218,7 @@ wavelift_error wavelift_encode_near(wavelift_lattice *lattice, const wavelift_pl
 typedef int32_t wavelift_storage;
 
 enum {
-    WAVELIFT_CODED = 0,   /* as coefficients, or with tables: wavelift_decode or wavelift_decode_dense */
+    WAVELIFT_CODED = 0,   /* as coefficients, light too, or with tables: wavelift_decode or wavelift_decode_dense */
     WAVELIFT_DENSE = 1,   /* densely: wavelift_decode_dense */
     WAVELIFT_LATTICE = 2, /* near-losslessly: wavelift_decode_near */
     WAVELIFT_STORED = 3   /* as they are, whatever the encoder: as WAVELIFT_CODED, and without levels any */
@@ -255,11 +260,11 @@ wavelift_error wavelift_header_level(const uint8_t *bytes, size_t bytes_len, uin
  * WAVELIFT_OTHER_CODEC, WAVELIFT_NEEDS_DENSE; of pointers.
  */
 
-/* Decodes what wavelift_encode or wavelift_encode_tabled encoded. */
+/* Decodes what wavelift_encode, wavelift_encode_light or wavelift_encode_tabled encoded. */
 wavelift_error wavelift_decode(wavelift_codec *codec, const uint8_t *bytes, size_t bytes_len, uint8_t level,
                                const wavelift_lent *lent);
 
-/* Decodes what wavelift_encode, wavelift_encode_tabled or wavelift_encode_dense encoded. */
+/* Decodes what all of them but wavelift_encode_near encoded. */
 wavelift_error wavelift_decode_dense(wavelift_codec *codec, wavelift_dense *dense, const uint8_t *bytes,
                                      size_t bytes_len, uint8_t level, const wavelift_lent *lent);
 

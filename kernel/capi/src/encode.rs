@@ -81,6 +81,22 @@ pub unsafe extern "C" fn wavelift_encode(
     }
 }
 
+/// Encodes with [`Effort::Light`].
+///
+/// # Safety
+/// As [`wavelift_encode`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_encode_light(
+    codec: *mut WaveliftCodec,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    out: *mut u8,
+    out_len: *mut usize,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    unsafe { encode(codec, plan, lent, (out, out_len), |_| Ok(Effort::Light)) }
+}
+
 /// Encodes with [`Effort::Wide`], or [`Effort::Tabled`] if `training` is NULL.
 ///
 /// # Safety

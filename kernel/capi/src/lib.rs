@@ -36,7 +36,10 @@ mod state;
 
 pub use decode::{wavelift_decode, wavelift_decode_dense, wavelift_decode_near};
 #[cfg(feature = "encode")]
-pub use encode::{wavelift_encode, wavelift_encode_dense, wavelift_encode_near, wavelift_encode_tabled};
+pub use encode::{
+    wavelift_encode, wavelift_encode_dense, wavelift_encode_light, wavelift_encode_near,
+    wavelift_encode_tabled,
+};
 pub use error::{WaveliftError, wavelift_error_name};
 pub use header::{
     WAVELIFT_MAX_HEADER_BYTES, WaveliftHeader, WaveliftLevel, WaveliftStorage, wavelift_header_level,

@@ -44,12 +44,24 @@ type Encode = unsafe extern "C" fn(
     *mut usize,
 ) -> WaveliftError;
 
+/// The encoder that never trains, as one of them.
+unsafe extern "C" fn encode_light(
+    codec: *mut WaveliftCodec,
+    _: *mut WaveliftTraining,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    out: *mut u8,
+    out_len: *mut usize,
+) -> WaveliftError {
+    unsafe { wavelift_encode_light(codec, plan, lent, out, out_len) }
+}
+
 #[test]
 fn a_brick_comes_back() {
     let (mut codec, mut training) = (memory::<WaveliftCodec>(), memory::<WaveliftTraining>());
     let mut scratch = vec![0; unsafe { wavelift_scratch_len(&PLAN) }];
     // Bricks as small as this one have no tables.
-    let encoders: [Encode; 2] = [wavelift_encode, wavelift_encode_tabled];
+    let encoders: [Encode; 3] = [wavelift_encode, wavelift_encode_tabled, encode_light];
     for (encode, trains) in encoders.into_iter().flat_map(|encode| [(encode, false), (encode, true)]) {
         let training = if trains { training.as_mut_ptr() } else { null_mut() };
         let (mut given, mut back) = (samples(), vec![0; SAMPLES]);

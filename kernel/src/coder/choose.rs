@@ -30,20 +30,11 @@ pub(super) struct Choosing<'a> {
 impl Choosing<'_> {
     /// The predictor that promises the shortest code for the subband; without `training` none has weights.
     pub(super) fn best(&mut self, training: Option<&mut Training>) -> Option<Predictor> {
-        let (mut best, mut least) = (Predictor::Zero, u64::MAX);
-        if self.subband.orientation == 0 {
-            for fixed in Fixed::ALL {
-                let fixed = Predictor::Fixed(fixed);
-                let cost = self.cost(&fixed)?;
-                if cost < least {
-                    (best, least) = (fixed, cost);
-                }
-            }
-        } else if training.is_none() {
-            return Some(best);
-        } else {
-            least = self.cost(&best)?;
-        }
+        let (mut best, least) = match (self.subband.orientation, &training) {
+            (0, _) => self.best_fixed().map(|(fixed, cost)| (Predictor::Fixed(fixed), cost))?,
+            (_, None) => return Some(Predictor::Zero),
+            _ => (Predictor::Zero, self.cost(&Predictor::Zero)?),
+        };
         let samples = self.subband.sides.iter().fold(1, |product: usize, &side| product.wrapping_mul(side));
         if Feature::Trained.is_built()
             && let Some(training) = training
@@ -53,6 +44,18 @@ impl Choosing<'_> {
             let cost = self.cost(&trained)?.saturating_add(weights.wrapping_mul(WEIGHT_COST));
             if cost < least {
                 best = trained;
+            }
+        }
+        Some(best)
+    }
+
+    /// The best predictor of the low-pass part without weights, and the bits that it promises.
+    pub(super) fn best_fixed(&mut self) -> Option<(Fixed, u64)> {
+        let mut best = (Fixed::InPlane, u64::MAX);
+        for fixed in Fixed::ALL {
+            let cost = self.cost(&Predictor::Fixed(fixed))?;
+            if cost < best.1 {
+                best = (fixed, cost);
             }
         }
         Some(best)

@@ -10,12 +10,12 @@ pub(crate) const WINDOW: usize = 4;
 /// Reads one codeword; beyond its last byte it reads zeros.
 #[derive(Debug)]
 pub(crate) struct Decoder<'a> {
-    bytes: &'a [u8],
+    pub(super) bytes: &'a [u8],
     /// Bytes taken, zeros beyond the end included.
-    taken: usize,
+    pub(super) taken: usize,
     /// The codeword less the encoder's `low`, always below `range`.
-    code: u32,
-    range: u32,
+    pub(super) code: u32,
+    pub(super) range: u32,
 }
 
 /// A decoder without its bytes.

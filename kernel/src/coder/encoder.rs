@@ -67,8 +67,8 @@ pub(crate) struct Interval<S> {
     zeros: usize,
     /// Bytes 0xFF held back, after the zeros.
     ones: usize,
-    low: u32,
-    range: u32,
+    pub(super) low: u32,
+    pub(super) range: u32,
 }
 
 /// Writes a codeword to lent memory.
@@ -129,7 +129,7 @@ impl<S: Sink> Interval<S> {
     }
 
     #[cold]
-    fn carry(&mut self) {
+    pub(super) fn carry(&mut self) {
         let ones = core::mem::take(&mut self.ones);
         if let Some(zeros) = self.zeros.checked_sub(1) {
             self.zeros = zeros;
@@ -151,8 +151,8 @@ impl<S: Sink> Interval<S> {
         }
     }
 
-    #[cfg_attr(not(feature = "small"), inline(always))]
-    fn shift_out(&mut self, byte: u8) {
+    #[cfg_attr(any(not(feature = "small"), feature = "light"), inline(always))]
+    pub(super) fn shift_out(&mut self, byte: u8) {
         match byte {
             0 => {
                 if self.ones > 0 {

@@ -15,10 +15,12 @@ mod encoder;
 mod forecast;
 mod history;
 mod lattice;
+mod light;
 mod memory;
 mod mixing;
 mod predictor;
 mod priors;
+mod rank;
 mod residual;
 #[cfg(feature = "stream")]
 mod row;
@@ -39,6 +41,7 @@ pub(crate) use encoder::Encoder;
 pub(crate) use encoder::{Interval, Sink};
 pub use lattice::Lattice;
 pub(crate) use lattice::{Grid, LARGEST_SLACK, Precision, SHRINKING};
+pub(crate) use light::Band;
 pub(crate) use memory::Memory;
 pub(crate) use predictor::Predictor;
 pub(crate) use residual::Models;
@@ -48,6 +51,7 @@ pub(crate) use row::{Cursor, MOST_BYTES, Row};
 pub(crate) use row_models::RowModels;
 pub(crate) use scan::{Coefficients, scratch_len};
 pub use train::Training;
+pub(crate) use weightless::Fixed;
 
 pub(crate) use distribution::Distribution;
 

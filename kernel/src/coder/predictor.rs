@@ -20,7 +20,7 @@ pub(crate) enum Predictor {
 }
 
 /// Bits of the number of a predictor.
-const NUMBER_BITS: u32 = 3;
+pub(super) const NUMBER_BITS: u32 = 3;
 
 const TRAINED: u32 = 5;
 const ZERO: u32 = 6;

@@ -26,16 +26,8 @@ pub(crate) struct Models {
 }
 
 impl Models {
-    #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
-    pub(crate) const NEW: Self = Self {
-        small: priors::SMALL,
-        large: [priors::LARGE; LARGE_CLASSES],
-        exponents: priors::EXPONENTS,
-        weights: priors::WEIGHT,
-    };
-
     /// Memory for models that are reset before they are used.
-    #[cfg(feature = "tabled")]
+    #[cfg(feature = "adaptive")]
     #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
     pub(super) const BLANK: Self = {
         let blank = Distribution::new([0; SYMBOLS]);
@@ -47,7 +39,8 @@ impl Models {
         }
     };
 
-    /// Makes `self` equal to [`Models::NEW`].
+    /// Makes `self` what it is at first.
+    #[cfg_attr(not(feature = "adaptive"), expect(dead_code, reason = "no build without adapts them"))]
     pub(crate) fn reset(&mut self) {
         self.small = priors::SMALL;
         self.large.fill(priors::LARGE);
@@ -202,14 +195,14 @@ mod tests {
             let expected = offsets.map(|offset| Expected { value: 0, offset });
             residuals.clone().zip(energies.into_iter().cycle().zip(expected.into_iter().cycle().skip(1)))
         };
-        let (mut models, mut bytes) = (Models::NEW, [0; 1024]);
+        let (mut models, mut bytes) = (Models::BLANK, [0; 1024]);
+        models.reset();
         let mut encoder = Encoder::new(&mut bytes);
         for (residual, (energy, expected)) in all() {
             models.code(&mut encoder, energy, expected, residual);
         }
         let len = encoder.finish().unwrap();
         models.reset();
-        assert_eq!(models, Models::NEW);
         let mut decoder = Decoder::new(&bytes[..len]).unwrap();
         for (residual, (energy, expected)) in all() {
             assert_eq!(models.code(&mut decoder, energy, expected, 0), residual, "{energy} {expected:?}");

@@ -8,7 +8,7 @@ use super::history::{History, Last, history_len};
 use super::predictor::Predictor;
 use super::residual::Models;
 use super::train::Training;
-use super::weightless::{FixedRow, RowsBefore};
+use super::weightless::{Fixed, FixedRow, RowsBefore};
 use crate::Feature;
 use crate::transform::{Level, Plan, Subband};
 
@@ -16,6 +16,9 @@ use crate::transform::{Level, Plan, Subband};
 pub(crate) const fn scratch_len(plan: &Plan) -> usize {
     let largest = plan.extent().coarsened(if plan.levels() > 0 { 1 } else { 0 }).sides();
     let [x, _, _] = largest;
+    if !Feature::Adaptive.is_built() {
+        return x;
+    }
     let coding = history_len(largest).saturating_add(x);
     if !Feature::Trained.is_built() {
         return coding;
@@ -43,6 +46,14 @@ impl Coefficients<'_> {
     ) -> Option<Predictor> {
         let (plan, coefficients) = (&self.plan, &*self.samples);
         Choosing { plan, subband, coefficients, scratch: self.scratch, wide: self.wide }.best(training)
+    }
+
+    /// The predictor without weights that an encoder chooses for the low-pass part.
+    pub(crate) fn best_fixed(&mut self) -> Option<Fixed> {
+        let subband = self.plan.subbands(0).next()?;
+        let (plan, coefficients) = (&self.plan, &*self.samples);
+        let mut choosing = Choosing { plan, subband, coefficients, scratch: self.scratch, wide: self.wide };
+        choosing.best_fixed().map(|(fixed, _)| fixed)
     }
 
     /// Undoes the level of the transform that `resolution` completes.

@@ -2,6 +2,8 @@
 
 use super::context::Expected;
 use super::forecast::Forecast;
+use super::predictor::NUMBER_BITS;
+use super::{Coder, low_bits};
 use crate::transform::{Plan, Subband};
 
 /// The rows of the low-pass part next to one of its rows: empty where there is none.
@@ -125,6 +127,11 @@ impl Fixed {
     /// The predictor of that number, if there is one.
     pub(super) fn from_number(number: u32) -> Option<Self> {
         Self::ALL.iter().copied().find(|fixed| fixed.number() == number)
+    }
+
+    /// Codes the number of this predictor, which an encoder has chosen; `None` if a codestream says one that is not there.
+    pub(crate) fn code<C: Coder>(self, coder: &mut C) -> Option<Self> {
+        Self::from_number(coder.raw(self.number(), NUMBER_BITS) & low_bits(NUMBER_BITS))
     }
 
     #[cfg_attr(not(feature = "small"), inline(always))]

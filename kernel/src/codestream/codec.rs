@@ -24,12 +24,15 @@ pub const fn max_encoded_len(extent: Extent, sample_type: SampleType) -> Option<
 /// never shows in the bytes.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Codec {
-    memory: Memory,
+    pub(super) memory: Memory,
 }
 
 /// How much an encoder tries to make codestreams short.
 #[derive(Debug)]
 pub enum Effort<'a> {
+    /// Few decisions a sample and little memory, for processors to which every instruction counts; nearly as short as
+    /// [`Effort::Fast`].
+    Light,
     /// Predictions and tables of frequencies that the codestream brings, for plans without levels and bricks or slices
     /// of 2^14 samples or more that span at most 19 bits: the quickest both ways. As [`Effort::Fast`] for others.
     Tabled,
@@ -57,7 +60,7 @@ impl Effort<'_> {
 
     /// Whether it has weights.
     const fn trains(&self) -> bool {
-        Feature::Trained.is_built() && !matches!(self, Self::Tabled | Self::Fast)
+        Feature::Trained.is_built() && !matches!(self, Self::Light | Self::Tabled | Self::Fast)
     }
 
     /// What tabled codestreams predict from, if it writes any.
@@ -72,6 +75,8 @@ impl Effort<'_> {
     /// What it takes that this build has not.
     const fn missing(&self) -> Option<Feature> {
         match self {
+            Self::Light if !Feature::Light.is_built() => Some(Feature::Light),
+            Self::Fast if !Feature::Adaptive.is_built() => Some(Feature::Adaptive),
             Self::Default(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
             Self::Dense(..) if !Feature::Dense.is_built() => Some(Feature::Dense),
             Self::Wide(_) if !Feature::Trained.is_built() => Some(Feature::Trained),
@@ -87,7 +92,7 @@ impl Codec {
 
     /// Makes `self` equal to [`Codec::NEW`].
     pub fn reset(&mut self) {
-        let _ = self.memory.models();
+        self.memory = Memory::NEW;
     }
 
     /// Encodes `samples` (x fastest) into the beginning of `out` and returns the length of the codestream.
@@ -144,6 +149,10 @@ impl Codec {
         out: &mut [u8],
     ) -> Result<usize, Full> {
         let plan = coefficients.plan;
+        if Feature::Light.is_built() && matches!(effort, Effort::Light) {
+            let len = self.encode_light(sample_type, coefficients, out);
+            return len.ok_or(Full { transformed: plan.levels() });
+        }
         if Feature::Dense.is_built()
             && let Effort::Dense(dense, _) = &mut effort
             && plan.levels() == 0
@@ -247,7 +256,7 @@ impl Codec {
             (Storage::Lattice { .. }, _) => return Err(DecodeError::OtherCodec),
             (Storage::Dense, None) => return Err(DecodeError::NeedsDense),
             (Storage::Dense, dense) => dense,
-            (Storage::Coded | Storage::Tabled | Storage::Wide | Storage::Stored, _) => None,
+            (_, _) => None,
         };
         if level > plan.levels() {
             return Err(DecodeError::LevelOutOfRange { max: plan.levels() });
@@ -281,7 +290,10 @@ impl Codec {
         } else {
             let wide = header.sample_type().bytes() > 2;
             let target = Coefficients { plan: plan.coarsened(level), samples, scratch, wide };
-            self.decode_coefficients(&header, payload, target)?;
+            match header.storage {
+                Storage::Light if Feature::Light.is_built() => self.decode_light(&header, payload, target)?,
+                _ => self.decode_coefficients(&header, payload, target)?,
+            }
         }
         if level == 0 && header.sample_type().first_outside(samples).is_some() {
             return Err(Malformed::Sample.into());
@@ -325,7 +337,7 @@ fn code(
 ) -> Option<()> {
     for subband in coefficients.plan.subbands(resolution) {
         let training = match effort {
-            Effort::Tabled | Effort::Fast => None,
+            Effort::Light | Effort::Tabled | Effort::Fast => None,
             Effort::Wide(training) | Effort::Default(training) | Effort::Dense(_, training) => {
                 Some(&mut **training)
             }

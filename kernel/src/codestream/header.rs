@@ -27,6 +27,8 @@ pub(super) type Segments = Vec<u32, MAX_SEGMENTS>;
 pub(super) enum Storage {
     /// As coefficients, one segment per resolution.
     Coded,
+    /// The same, in few decisions each.
+    Light,
     /// Under what is learnt from all samples before, in one segment.
     Dense,
     /// Under weights and tables that it brings, in one segment.
@@ -122,7 +124,9 @@ impl Header {
         match self.storage {
             Storage::Dense => Dense::scratch_len(&self.plan),
             Storage::Lattice { .. } => Lattice::decoding_scratch_len(self.plan.extent()),
-            Storage::Coded | Storage::Tabled | Storage::Wide | Storage::Stored => self.plan.scratch_len(),
+            Storage::Coded | Storage::Light | Storage::Tabled | Storage::Wide | Storage::Stored => {
+                self.plan.scratch_len()
+            }
         }
     }
 
@@ -206,12 +210,15 @@ impl Fields<'_> {
     fn storage(&mut self) -> Result<Storage, DecodeError> {
         match self.byte()? {
             STORED => Ok(Storage::Stored),
+            CODED if !Feature::Adaptive.is_built() => Err(DecodeError::NotBuilt(Feature::Adaptive)),
             CODED => Ok(Storage::Coded),
             DENSE if !Feature::Dense.is_built() => Err(DecodeError::NotBuilt(Feature::Dense)),
             DENSE => Ok(Storage::Dense),
             LATTICE if !Feature::Lattice.is_built() => Err(DecodeError::NotBuilt(Feature::Lattice)),
             TABLED => Ok(Storage::Tabled),
             WIDE => Ok(Storage::Wide),
+            LIGHT if !Feature::Light.is_built() => Err(DecodeError::NotBuilt(Feature::Light)),
+            LIGHT => Ok(Storage::Light),
             LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
             _ => Err(Malformed::Reserved.into()),
         }
@@ -271,6 +278,9 @@ const TABLED: u8 = 3;
 /// The storage field of samples under tables, predicted from more neighbours.
 const WIDE: u8 = 4;
 
+/// The storage field of coefficients in few decisions each.
+const LIGHT: u8 = 5;
+
 /// The storage field of a lattice.
 const LATTICE: u8 = 2;
 
@@ -328,6 +338,7 @@ impl Header {
         let plan = &self.plan;
         let storage = match self.storage {
             Storage::Coded => CODED,
+            Storage::Light => LIGHT,
             Storage::Dense => DENSE,
             Storage::Tabled => TABLED,
             Storage::Wide => WIDE,

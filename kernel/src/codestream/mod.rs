@@ -1,6 +1,7 @@
 //! The bytes that hold one line, slice or brick.
 mod codec;
 mod header;
+mod light;
 mod near;
 mod segments;
 mod stored;

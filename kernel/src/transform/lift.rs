@@ -10,6 +10,9 @@ use crate::memory::copy;
 /// Lines lifted side by side along y and z: one cache line of samples.
 const LANES: usize = 16;
 
+/// Lines lifted side by side in small builds: where instructions count, as many as are copied at once.
+const SMALL_LANES: usize = if cfg!(feature = "light") { 8 } else { 1 };
+
 /// The most lines that are lifted at a time along x.
 const ROWS: usize = 16;
 
@@ -27,11 +30,12 @@ pub(super) struct Lifter<'a> {
     pub(super) scratch: &'a mut [i32],
 }
 
-/// Neighbouring lines: `lanes` samples at `start`, `start + stride`, … , `n` times.
+/// Neighbouring lines: `lanes` samples, each `right` of the one before, at `start`, `start + stride`, … , `n` times.
 #[derive(Clone, Copy, Debug)]
 struct Lines {
     start: usize,
     stride: usize,
+    right: usize,
     n: usize,
     lanes: usize,
 }
@@ -41,7 +45,7 @@ pub(super) const fn scratch_len([x, y, z]: [usize; 3]) -> usize {
     let longest = if y > z { y } else { z };
     if cfg!(feature = "small") {
         let longest = if x > longest { x } else { longest };
-        return Halves::group_len(1, longest);
+        return Halves::group_len(SMALL_LANES, longest);
     }
     let lanes = if x < LANES { x } else { LANES };
     let columns = if longest > 1 { Halves::group_len(lanes, longest) } else { 0 };
@@ -55,14 +59,14 @@ impl Lifter<'_> {
     /// Along x and y slice by slice, which the fastest memory may hold.
     pub(super) fn lift(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
         if cfg!(feature = "small") {
-            return self.lift_singly(direction, part, samples);
+            return self.lift_in_panels(direction, part, samples);
         }
         let ([x, y, z], [width, height, _]) = (part.part, part.sides);
         let slice = width.wrapping_mul(height);
         if let Direction::Inverse = direction {
             self.lift_depth(direction, part, samples);
         }
-        let columns = Lines { start: 0, stride: width, n: y, lanes: x };
+        let columns = Lines { start: 0, stride: width, right: 1, n: y, lanes: x };
         for slice in samples.chunks_mut(slice.max(1)).take(z) {
             let rows = slice.get_mut(..width.wrapping_mul(y)).unwrap_or_default();
             match direction {
@@ -81,8 +85,8 @@ impl Lifter<'_> {
         }
     }
 
-    /// The same line by line: less code, and memory for one line.
-    fn lift_singly(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
+    /// The same a few lines at a time, whatever their direction: less code, and memory for fewer lines.
+    fn lift_in_panels(&mut self, direction: Direction, part: Part, samples: &mut [i32]) {
         let ([x, y, z], [width, height, _]) = (part.part, part.sides);
         let [x, y, z] = [(x, 1), (y, width), (z, width.wrapping_mul(height))];
         let axes = match direction {
@@ -93,10 +97,11 @@ impl Lifter<'_> {
             if n < 2 {
                 continue;
             }
-            for row in (0..rows).map(|row| row.wrapping_mul(down)) {
-                for start in (0..columns).map(|column| column.wrapping_mul(right).wrapping_add(row)) {
-                    let line = Lines { start, stride, n, lanes: 1 };
-                    self.lift_panel(direction, line, samples);
+            for row in 0..rows {
+                for column in (0..columns).step_by(SMALL_LANES) {
+                    let start = row.wrapping_mul(down).wrapping_add(column.wrapping_mul(right));
+                    let lanes = SMALL_LANES.min(columns.wrapping_sub(column));
+                    self.lift_panel(direction, Lines { start, stride, right, n, lanes }, samples);
                 }
             }
         }
@@ -108,7 +113,7 @@ impl Lifter<'_> {
         for start in (0..y).map(|row| row.wrapping_mul(width)) {
             self.lift_lines(
                 direction,
-                Lines { start, stride: width.wrapping_mul(height), n, lanes },
+                Lines { start, stride: width.wrapping_mul(height), right: 1, n, lanes },
                 samples,
             );
         }
@@ -191,12 +196,7 @@ impl Lines {
         let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
         let pitch = self.stride.wrapping_mul(step);
         if cfg!(feature = "small") {
-            let mut place = start;
-            for to in half {
-                *to = samples.get(place).copied().unwrap_or(0);
-                place = place.wrapping_add(pitch);
-            }
-            return;
+            return self.gather_any(samples, half, (start, pitch));
         }
         let rows = samples.get(start..).unwrap_or_default().chunks(pitch.max(1));
         if self.lanes == LANES {
@@ -215,12 +215,7 @@ impl Lines {
         let start = self.start.wrapping_add(self.stride.wrapping_mul(first));
         let pitch = self.stride.wrapping_mul(step);
         if cfg!(feature = "small") {
-            let mut place = start;
-            for &from in half {
-                samples.get_mut(place).into_iter().for_each(|to| *to = from);
-                place = place.wrapping_add(pitch);
-            }
-            return;
+            return self.scatter_any(samples, half, (start, pitch));
         }
         let rows = samples.get_mut(start..).unwrap_or_default().chunks_mut(pitch.max(1));
         if self.lanes == LANES {
@@ -229,6 +224,51 @@ impl Lines {
             }
         } else {
             rows.zip(half.chunks_exact(self.lanes.max(1))).for_each(|(to, from)| copy(from, to));
+        }
+    }
+
+    /// How many there are in small builds, at least one; where there is only ever one, the compiler knows.
+    fn side_by_side(self) -> usize {
+        if SMALL_LANES == 1 { 1 } else { self.lanes.max(1) }
+    }
+
+    /// [`Lines::gather`] of lines that lie side by side in any direction.
+    fn gather_any(self, samples: &[i32], half: &mut [i32], (mut start, pitch): (usize, usize)) {
+        for across in half.chunks_exact_mut(self.side_by_side()) {
+            let mut place = start;
+            start = start.wrapping_add(pitch);
+            if SMALL_LANES > 1
+                && self.right == 1
+                && let Some(to) = across.as_mut_array::<SMALL_LANES>()
+                && let Some(from) = samples.get(place..).and_then(<[i32]>::first_chunk)
+            {
+                *to = *from;
+                continue;
+            }
+            for to in across {
+                *to = samples.get(place).copied().unwrap_or(0);
+                place = place.wrapping_add(self.right);
+            }
+        }
+    }
+
+    /// [`Lines::scatter`] to lines that lie side by side in any direction.
+    fn scatter_any(self, samples: &mut [i32], half: &[i32], (mut start, pitch): (usize, usize)) {
+        for across in half.chunks_exact(self.side_by_side()) {
+            let mut place = start;
+            start = start.wrapping_add(pitch);
+            if SMALL_LANES > 1
+                && self.right == 1
+                && let Some(from) = across.as_array::<SMALL_LANES>()
+                && let Some(to) = samples.get_mut(place..).and_then(<[i32]>::first_chunk_mut)
+            {
+                *to = *from;
+                continue;
+            }
+            for &from in across {
+                samples.get_mut(place).into_iter().for_each(|to| *to = from);
+                place = place.wrapping_add(self.right);
+            }
         }
     }
 }

@@ -23,7 +23,7 @@ pub struct Subband {
 
 impl Subband {
     /// Its rows in coding order, as `[y, z]`.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
+    pub(crate) fn rows(&self) -> impl DoubleEndedIterator<Item = [usize; 2]> + use<> {
         let [_, height, depth] = self.sides;
         (0..depth).flat_map(move |z| (0..height).map(move |y| [y, z]))
     }

@@ -61,6 +61,11 @@ fn is_tabled(bytes: &[u8]) -> bool {
     matches!(bytes.get(3), Some(3 | 4))
 }
 
+/// Whether it says that it is light.
+fn is_light(bytes: &[u8]) -> bool {
+    bytes.get(3) == Some(&5)
+}
+
 /// The header of a codestream from what it says of itself; how the steps of a lattice shrink, from its byte.
 fn rewrite(header: &Header, bytes: &[u8]) -> Vec<u8> {
     let plan: Plan = header.plan();
@@ -68,7 +73,7 @@ fn rewrite(header: &Header, bytes: &[u8]) -> Vec<u8> {
         (true, ..) => 0x80,
         (_, true, _) => 1,
         (.., Some(_)) => 2,
-        _ if is_tabled(bytes) => bytes[3],
+        _ if is_tabled(bytes) || is_light(bytes) => bytes[3],
         _ => 0,
     };
     let mut fields = fields(header.sample_type(), plan.levels(), plan.wavelet());

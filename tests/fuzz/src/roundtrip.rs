@@ -39,10 +39,11 @@ impl Case {
         let sample_type = *data.choose(&SampleType::ALL)?;
         let wavelet = *data.choose(&Wavelet::ALL)?;
         let plan = |levels| Plan::new(wavelet, extent, levels).expect("levels that it has");
-        let form = match data.int_in_range(0..=3)? {
+        let form = match data.int_in_range(0..=4)? {
             0 => Form::Coded(Effort::Fast, plan(data.int_in_range(0..=extent.max_levels())?)),
             1 => Form::Coded(Effort::Default, plan(data.int_in_range(0..=extent.max_levels())?)),
             2 => Form::Coded(Effort::Dense, plan(0)),
+            3 => Form::Coded(Effort::Light, plan(data.int_in_range(0..=extent.max_levels())?)),
             _ => Form::Lattice { slack: data.arbitrary::<u32>()? >> data.int_in_range(0..=31)? },
         };
         let room = data.arbitrary()?;

@@ -8,6 +8,7 @@ pub(super) mod array;
 mod distribution;
 mod first;
 mod header;
+mod light;
 pub(super) mod predict;
 pub mod rows;
 mod scan;
@@ -19,6 +20,7 @@ use array::Array;
 use distribution::Models;
 pub(super) use header::number_bytes;
 pub use header::{Choices, Header, Reject, SampleType, Storage};
+use light::Chances;
 pub use predict::Predictor;
 use predict::Scene;
 use scan::{Reading, Writing};
@@ -52,6 +54,9 @@ pub fn shapes(choices: &Choices) -> Vec<Shape> {
         Shape { is_low_pass: level.len() == 1, sets }
     };
     let mut shapes = vec![shape(&low_pass, 0)];
+    if choices.storage == Storage::Light {
+        return shapes;
+    }
     for level in (0..choices.levels).rev() {
         let level = Array::zeros(choices.coarsened(level).extent).split();
         let orientations = (1..8).filter(|&orientation| !level[orientation].is_empty());
@@ -76,7 +81,7 @@ pub fn encode_unchecked(choices: &Choices, predictors: &[Predictor], samples: &[
         Storage::Stored => {
             vec![samples.iter().flat_map(|&v| choices.sample_type.bytes_of(v)).collect()]
         }
-        Storage::Coded => encode_segments(choices, predictors, samples),
+        Storage::Coded | Storage::Light => encode_segments(choices, predictors, samples),
     };
     let lengths: Vec<_> = segments.iter().map(Vec::len).collect();
     let mut bytes = header::write(choices, &lengths);
@@ -110,7 +115,7 @@ fn decode_with_predictors(bytes: &[u8], level: usize) -> Result<(Decoded, Vec<Pr
     }
     match header.choices.storage {
         Storage::Stored => Ok((low_pass_of_stored(&header.choices, segments[0], level), Vec::new())),
-        Storage::Coded => {
+        Storage::Coded | Storage::Light => {
             let choices = header.choices.coarsened(level);
             let (samples, predictors) = decode_segments(&choices, &segments)?;
             if level == 0 && !samples.iter().all(|&v| choices.sample_type.holds(v)) {
@@ -130,13 +135,24 @@ fn encode_segments(choices: &Choices, predictors: &[Predictor], samples: &[i32])
         levels.push(low_pass.split());
         low_pass = low_pass.split()[0].clone();
     }
-    let (mut models, mut predictors) = (Models::new(), predictors.iter());
+    let (mut models, mut chances, mut predictors) = (Models::new(), Chances::new(), predictors.iter());
     let mut segments = Vec::new();
     let mut resolutions = vec![vec![low_pass]];
     resolutions.extend(levels.into_iter().rev().map(Vec::from));
     for mut resolution in resolutions {
         let mut writing = Writing { to: Encoder::new(), predictors: &mut predictors };
         for orientation in orientations(&resolution) {
+            if choices.storage == Storage::Light {
+                let predictor = match orientation {
+                    0 => writing.predictors.next().expect("a predictor of the low-pass part"),
+                    _ => &Predictor::Zero,
+                };
+                if let Predictor::Fixed(number) = predictor {
+                    writing.to.raw(3, (*number).into());
+                }
+                light::subband(&mut writing.to, &mut chances, &mut resolution, orientation, predictor);
+                continue;
+            }
             scan::subband(&mut writing, &mut models, &mut resolution, (orientation, choices.is_narrow()))
                 .expect("an encoder has its predictors");
         }
@@ -147,7 +163,7 @@ fn encode_segments(choices: &Choices, predictors: &[Predictor], samples: &[i32])
 }
 
 fn decode_segments(choices: &Choices, segments: &[&[u8]]) -> Result<(Vec<i32>, Vec<Predictor>), Reject> {
-    let (mut models, mut predictors) = (Models::new(), Vec::new());
+    let (mut models, mut chances, mut predictors) = (Models::new(), Chances::new(), Vec::new());
     let mut whole = Array::zeros(choices.coarsened(choices.levels).extent);
     for (resolution, segment) in segments.iter().enumerate() {
         let extent = choices.coarsened(choices.levels - resolution).extent;
@@ -157,6 +173,15 @@ fn decode_segments(choices: &Choices, segments: &[&[u8]]) -> Result<(Vec<i32>, V
         }
         let mut reading = Reading { from: Decoder::new(segment)?, predictors: &mut predictors };
         for orientation in orientations(&subbands) {
+            if choices.storage == Storage::Light {
+                let predictor = match orientation {
+                    0 => light::predictor(&mut reading.from)?,
+                    _ => Predictor::Zero,
+                };
+                light::subband(&mut reading.from, &mut chances, &mut subbands, orientation, &predictor);
+                reading.predictors.extend((orientation == 0).then_some(predictor));
+                continue;
+            }
             scan::subband(&mut reading, &mut models, &mut subbands, (orientation, choices.is_narrow()))?;
         }
         reading.from.finish()?;

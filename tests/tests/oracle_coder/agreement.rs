@@ -135,9 +135,15 @@ fn assert_agreement(
 }
 
 /// Has both decode, to every level, what the oracle encodes with any predictors.
-fn assert_any_predictors(plan: &Plan, sample_type: SampleType, samples: &[i32], noise: &mut Noise) {
+fn assert_any_predictors(
+    storage: Storage,
+    plan: &Plan,
+    sample_type: SampleType,
+    samples: &[i32],
+    noise: &mut Noise,
+) {
     let choices = Choices {
-        storage: Storage::Coded,
+        storage,
         sample_type: coder::SampleType::ALL[sample_type as usize],
         psi: (plan.levels() > 0).then(|| psi(plan.wavelet())),
         levels: plan.levels().into(),
@@ -161,10 +167,12 @@ fn kernel_and_oracle_read_each_other() {
     for (turn, plan) in plans().flat_map(|plan| [plan; 2]).enumerate() {
         let (sample_type, field) = DATA[(turn + turn / DATA.len()) % DATA.len()];
         let samples = samples_of(field, sides(plan.extent()), turn as u64);
-        for effort in [Effort::Fast, Effort::Default] {
+        for effort in [Effort::Fast, Effort::Default, Effort::Light] {
             assert_agreement(effort, &plan, sample_type, &samples, &mut tally);
         }
-        assert_any_predictors(&plan, sample_type, &samples, &mut noise);
+        for storage in [Storage::Coded, Storage::Light] {
+            assert_any_predictors(storage, &plan, sample_type, &samples, &mut noise);
+        }
     }
     println!("{tally:?}");
     assert!(tally.stored > 0 && tally.zero > 0, "the kernel's encoder makes every choice");
@@ -267,7 +275,7 @@ fn oracle_decodes_what_it_encodes() {
         let samples = noise.full_range(extent.iter().product());
         let samples: Vec<_> =
             samples.into_iter().map(|v| sample_type.value_of(&sample_type.bytes_of(v))).collect();
-        for storage in [Storage::Coded, Storage::Stored] {
+        for storage in [Storage::Coded, Storage::Light, Storage::Stored] {
             let choices = Choices { storage, sample_type, psi, levels, extent };
             let bytes = encode(&choices, &any_predictors(&mut noise, &choices), &samples);
             let decoded = Decoded { extent, samples: samples.clone() };

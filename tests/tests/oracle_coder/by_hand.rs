@@ -35,6 +35,32 @@ fn one_sample() {
 }
 
 #[test]
+fn one_sample_in_few_decisions() {
+    // The energy is 0, and so are the class and the bits of a step. The rank of 5 is 9: 9 steps, and 9 - 3 = 6 = 4 + 2
+    // beyond, of the exponent 2. All chances are 8000.
+    //                            00000000  FFFFFFFF
+    // predictor 000    1FFFFFFF  00000000  1FFFFFFF
+    //                  share
+    // not 0            0FFF8000  0FFF8000  10007FFF
+    // not 1            08000000  17FF8000  08007FFF
+    // not 2            04000000  1BFF8000  04007FFF
+    // not 3            02000000  1DFF8000  02007FFF
+    // exponent not 0   01000000  1EFF8000  01007FFF
+    // not 1            00800000  1F7F8000  00807FFF   the segment is 1F,
+    //                            7F800000  807FFF00
+    // but 2            403F8000  7F800000  403F8000
+    // bits 10          100FE000  9F9FC000  100FE000
+    // low rises to A0000000.
+    let bytes = [0x77, 0x4C, 2, 5, 0x05, 0, 1, 1, 1, 2, 0x1F, 0xA0];
+    let choices = Choices { storage: Storage::Light, ..coded(SampleType::I32, [1, 1, 1]) };
+    assert_oracle(&choices, &[Fixed(0)], &[5], &bytes);
+    assert_eq!(
+        kernel_encode(Effort::Light, &plan(None, [1, 1, 1], 0), wavelift_kernel::SampleType::I32, &[5]).len(),
+        12
+    );
+}
+
+#[test]
 fn two_samples_and_a_level() {
     // d = 10 - 4 = 6, c = 10 - [6/2] = 7, of the ranks 11 and 13, both in class 0.
     //                            00000000  FFFFFFFF

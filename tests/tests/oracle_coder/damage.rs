@@ -16,7 +16,7 @@ fn codestream(storage: Storage, sample_type: SampleType, psi: Psi, noise: &mut N
 
 #[test]
 fn every_byte_of_a_header_takes_every_value() {
-    for storage in [Storage::Coded, Storage::Stored] {
+    for storage in [Storage::Coded, Storage::Light, Storage::Stored] {
         let sound = codestream(storage, SampleType::I16, Psi::Q, &mut Noise::new(6));
         for at in 0..Header::parse(&sound).expect("it is sound").bytes {
             for value in 0..=255 {
@@ -40,7 +40,8 @@ fn damaged_segments() {
     let mut outcomes = Vec::new();
     for (turn, psi) in Psi::ALL.into_iter().cycle().enumerate().take(1200) {
         let sample_type = [SampleType::U8, SampleType::I32, SampleType::U16][turn % 3];
-        let mut bytes = codestream(Storage::Coded, sample_type, psi, &mut noise);
+        let storage = [Storage::Coded, Storage::Light][turn / 6 % 2];
+        let mut bytes = codestream(storage, sample_type, psi, &mut noise);
         let header = Header::parse(&bytes).expect("it is sound").bytes;
         let at = header + noise.bits() as usize % (bytes.len() - header);
         bytes[at] = (noise.bits() >> 56) as u8;
@@ -62,7 +63,8 @@ fn segments_of_any_bytes() {
         let mut segment = vec![predictor | 0x1F];
         segment.resize(1 + ones, 0xFF);
         segment.resize_with(ones + 2 + turn % 31, || (noise.bits() >> 56) as u8);
-        let mut bytes = vec![0x77, 0x4C, 2, 0, [0x05, 0x04, 0x03][turn % 3], 0, 2, 2, 3];
+        let storage = [0, 5][turn / 84 % 2];
+        let mut bytes = vec![0x77, 0x4C, 2, storage, [0x05, 0x04, 0x03][turn % 3], 0, 2, 2, 3];
         bytes.push(segment.len() as u8);
         bytes.extend(segment);
         decoded += usize::from(both_decode(&bytes, 0).is_ok());
@@ -113,7 +115,8 @@ fn long_segments_of_any_bytes() {
         let mut segment = vec![[0x00, 0x40, 0x80, 0xC0][turn % 4]];
         segment.resize_with(1000, || (noise.bits() >> 56) as u8 | (noise.bits() >> 59) as u8);
         // A line of 2^14 samples, and a segment of 1000 bytes.
-        let mut bytes = vec![0x77, 0x4C, 2, 0, 0x05, 0, 0x80, 0x80, 1, 1, 1, 0xE8, 0x07];
+        let storage = [0, 5][turn / 4 % 2];
+        let mut bytes = vec![0x77, 0x4C, 2, storage, 0x05, 0, 0x80, 0x80, 1, 1, 1, 0xE8, 0x07];
         bytes.extend(segment);
         decoded += usize::from(both_decode(&bytes, 0).is_ok());
     }

@@ -15,7 +15,6 @@ mod narrow;
 mod neighbours;
 mod numerals;
 mod own;
-mod rank;
 #[cfg_attr(not(feature = "vectors"), path = "no_short_rows.rs")]
 mod short_rows;
 mod tables;

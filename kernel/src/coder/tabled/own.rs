@@ -1,8 +1,8 @@
 //! What the samples of a row itself add to the sums over known rows: ranks of residuals, and samples again.
 
 use super::Span;
-use super::rank::{of_rank, rank};
 use crate::coder::forecast::FRACTION_BITS;
+use crate::coder::rank::{of_rank, rank};
 
 /// Weights of the last `N` samples of the row, W first, in 1/2^[`FRACTION_BITS`].
 #[derive(Clone, Copy, Debug)]

@@ -212,7 +212,7 @@ fn fill_finder(starts: &[u16; TOKEN_SLOTS], finder: &mut [u8; FINDER]) {
 
 /// Writes a small change of size: as many ones as its rank, and a zero.
 fn write_step(bits: &mut BitWriter<'_>, step: i32) -> Option<()> {
-    (0..super::rank::rank(step)).try_for_each(|_| bits.put(1, 1))?;
+    (0..crate::coder::rank::rank(step)).try_for_each(|_| bits.put(1, 1))?;
     bits.put(0, 1)
 }
 
@@ -224,7 +224,7 @@ fn read_step(bits: &mut BitReader<'_>) -> Option<i32> {
             return None;
         }
     }
-    Some(super::rank::of_rank(rank))
+    Some(crate::coder::rank::of_rank(rank))
 }
 
 /// The rank of the largest change of size, from 13 bits to none.

@@ -232,7 +232,7 @@ fn are_small(weights: &Weights) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coder::tabled::rank::rank;
+    use crate::coder::rank::rank;
 
     fn wide(axes: [u32; 3], lowest: i32, first: &[i16], others: &[i16]) -> Wide {
         let mut wide = Wide::new(Extent::new(axes).unwrap(), Span { lowest, span: 100 }).unwrap();

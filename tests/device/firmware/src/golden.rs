@@ -100,6 +100,7 @@ fn encoded_len(recipe: Recipe, parts: &mut Parts<'_>) -> Option<Result<usize, En
             use wavelift_kernel::Effort as Lent;
             let plan = Plan::new(wavelet, Extent::new(extent).ok()?, levels).ok()?;
             let effort = match (effort, efforts) {
+                (Effort::Light, _) => Lent::Light,
                 (Effort::Tabled, _) => Lent::Tabled,
                 (Effort::Wide, Some(efforts)) => Lent::Wide(&mut efforts.training),
                 (Effort::Fast, _) => Lent::Fast,

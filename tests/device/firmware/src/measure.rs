@@ -11,7 +11,9 @@ use crate::meter::Meter;
 const SIDE: u32 = if cfg!(feature = "roomy") { fixture::SIDE } else { 8 };
 
 /// Wavelet, levels and effort.
-const CASES: [(Wavelet, u8, Effort); 10] = [
+const CASES: [(Wavelet, u8, Effort); 12] = [
+    (Wavelet::Haar, 0, Effort::Light),
+    (Wavelet::Linear, 3, Effort::Light),
     (Wavelet::Haar, 0, Effort::Tabled),
     (Wavelet::Haar, 0, Effort::Wide),
     (Wavelet::Haar, 0, Effort::Fast),
@@ -51,7 +53,8 @@ fn measure(
         (Effort::Wide, Some(efforts)) if Feature::Tabled.is_built() && Feature::Trained.is_built() => {
             Lent::Wide(&mut efforts.training)
         }
-        (Effort::Fast, _) => Lent::Fast,
+        (Effort::Light, _) if Feature::Light.is_built() => Lent::Light,
+        (Effort::Fast, _) if Feature::Adaptive.is_built() => Lent::Fast,
         (Effort::Default, Some(efforts)) if Feature::Trained.is_built() => {
             Lent::Default(&mut efforts.training)
         }

@@ -3,7 +3,7 @@
 use embedded_io::Write;
 use fixture::{crc32, fill_part};
 use wavelift_kernel::record::{Entry, IndexRecord};
-use wavelift_kernel::{Effort, Extent, Header, Plan, SampleType, Wavelet, io};
+use wavelift_kernel::{Effort, Extent, Feature, Header, Plan, SampleType, Wavelet, io};
 
 use crate::file::File;
 use crate::memory::Parts;
@@ -50,6 +50,7 @@ fn encode<'a>(position: [u32; 3], parts: &'a mut Parts<'_>) -> Option<&'a [u8]> 
     let samples = &mut parts.samples[..extent.samples()];
     fill_part(position, extent.axes(), samples);
     let codec = &mut parts.codec;
-    let len = codec.encode(Effort::Fast, &plan, SampleType::U16, samples, parts.scratch, parts.bytes).ok()?;
+    let effort = if Feature::Adaptive.is_built() { Effort::Fast } else { Effort::Light };
+    let len = codec.encode(effort, &plan, SampleType::U16, samples, parts.scratch, parts.bytes).ok()?;
     parts.bytes.get(..len)
 }

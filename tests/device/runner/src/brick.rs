@@ -34,6 +34,7 @@ fn encode(brick: &BTreeMap<&str, &str>) -> Result<Vec<u8>, String> {
     fill_part([0; 3], extent.axes(), &mut samples);
     let mut training = Box::new(Training::NEW);
     let effort = match brick.get("effort").copied() {
+        Some("light") => Effort::Light,
         Some("tabled") => Effort::Tabled,
         Some("wide") => Effort::Wide(&mut training),
         Some("fast") => Effort::Fast,

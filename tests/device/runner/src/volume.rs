@@ -51,8 +51,10 @@ fn check(entry: &Entry, codestream: &[u8]) -> Result<(), String> {
     if samples != expected {
         return Err("other samples".to_owned());
     }
-    if encode_samples(Effort::Fast, &plan, &mut expected)? != codestream {
-        return Err("the host encodes the brick in other bytes".to_owned());
+    for effort in [Effort::Fast, Effort::Light] {
+        if encode_samples(effort, &plan, &mut expected.clone())? == codestream {
+            return Ok(());
+        }
     }
-    Ok(())
+    Err("the host encodes the brick in other bytes".to_owned())
 }

@@ -60,6 +60,23 @@ impl Encoder {
         }
     }
 
+    /// A decision of a light codestream under a chance of true, in 1/65536.
+    pub(super) fn light_decision(&mut self, chance: u64, is_true: bool) {
+        let share = (self.range >> 16) * chance;
+        let (begin, range) = if is_true { (0, share) } else { (share, self.range - share) };
+        self.narrow(begin, range);
+    }
+
+    /// The `count` low bits of `bits` in a light codestream.
+    pub(super) fn light_run(&mut self, count: u32, bits: u64) {
+        let mut left = count;
+        for g in groups(count) {
+            left -= g;
+            let unit = self.range >> g;
+            self.narrow((bits >> left & ((1 << g) - 1)) * unit, unit);
+        }
+    }
+
     /// The bytes of the segment.
     pub(super) fn finish(mut self) -> Vec<u8> {
         let [.., a, b, c] = self.number[..] else { unreachable!("low has four digits") };
@@ -143,6 +160,27 @@ impl<'a> Decoder<'a> {
             let b = (self.code / (self.range >> g)).min((1 << g) - 1);
             let (begin, range) = raw_part(self.range, g, b);
             self.narrow(begin, range);
+            bits = bits << g | b;
+        }
+        bits
+    }
+
+    /// A decision of a light codestream under a chance of true, in 1/65536.
+    pub(super) fn light_decision(&mut self, chance: u64) -> bool {
+        let share = (self.range >> 16) * chance;
+        let is_true = self.code < share;
+        let (begin, range) = if is_true { (0, share) } else { (share, self.range - share) };
+        self.narrow(begin, range);
+        is_true
+    }
+
+    /// A run of `count` bits of a light codestream.
+    pub(super) fn light_run(&mut self, count: u32) -> u64 {
+        let mut bits = 0;
+        for g in groups(count) {
+            let unit = self.range >> g;
+            let b = self.code / unit % (1 << g);
+            self.narrow(b * unit, unit);
             bits = bits << g | b;
         }
         bits

@@ -24,6 +24,8 @@ pub enum Reject {
 pub enum Storage {
     /// As residuals under the models.
     Coded,
+    /// As residuals in few decisions each.
+    Light,
     /// As they are.
     Stored,
 }
@@ -121,7 +123,7 @@ impl Choices {
 
     fn segments(&self) -> usize {
         match self.storage {
-            Storage::Coded => self.levels + 1,
+            Storage::Coded | Storage::Light => self.levels + 1,
             Storage::Stored => 1,
         }
     }
@@ -158,6 +160,7 @@ impl Header {
         }
         let storage = match fields.byte()? {
             0 => Storage::Coded,
+            5 => Storage::Light,
             0x80 => Storage::Stored,
             _ => return Err(Reject::Reserved),
         };
@@ -194,6 +197,7 @@ impl Header {
 pub(super) fn write(choices: &Choices, lengths: &[usize]) -> Vec<u8> {
     let storage = match choices.storage {
         Storage::Coded => 0,
+        Storage::Light => 5,
         Storage::Stored => 0x80,
     };
     let sample_type = SampleType::ALL.iter().position(|&t| t == choices.sample_type).expect("all are listed");

@@ -46,13 +46,13 @@ impl Context {
 }
 
 /// The rank of a value; the one left for -2^31 is 2^32 - 1.
-const fn rank(v: i32) -> u32 {
+pub(super) const fn rank(v: i32) -> u32 {
     let v = v as i64;
     if v > 0 || v == i32::MIN as i64 { (2 * v - 1) as u32 } else { (-2 * v) as u32 }
 }
 
 /// The value of a rank.
-const fn unrank(q: u32) -> i32 {
+pub(super) const fn unrank(q: u32) -> i32 {
     let q = q as i64;
     (if q % 2 == 1 { (q + 1) / 2 } else { -(q / 2) }) as i32
 }

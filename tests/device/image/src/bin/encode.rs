@@ -16,6 +16,12 @@ pub fn encode(
     scratch: &mut [i32],
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
-    let effort = if cfg!(feature = "tables") { Effort::Tabled } else { Effort::Fast };
+    let effort = if cfg!(feature = "tables") {
+        Effort::Tabled
+    } else if cfg!(feature = "light") {
+        Effort::Light
+    } else {
+        Effort::Fast
+    };
     codec.encode(effort, plan, sample_type, samples, scratch, out)
 }
