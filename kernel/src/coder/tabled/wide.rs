@@ -25,6 +25,11 @@ const SPARSE: usize = 4;
 /// Half of the last bit that is rounded away.
 const HALF: i32 = 1 << (FRACTION_BITS - 1);
 
+/// Weights of rows of the plane itself, which come first.
+const OF_PLANE: usize = SAMPLES[0].len() + SAMPLES[1].len() + SAMPLES[2].len();
+
+const _: () = assert!(SAMPLES[2].deep == 0 && SAMPLES[3].deep < 0);
+
 /// Bits that samples may span.
 pub(super) const MOST_SPAN_BITS: u32 = 16;
 
@@ -164,9 +169,13 @@ impl Wide {
         let [second, third, ..] = self.of_plane(place)?.0.map(i32::from);
         let others = self.known_weight(place).wrapping_add(second).wrapping_add(third);
         let first = (1_i32 << FRACTION_BITS).wrapping_sub(others);
-        // The nearest row comes first: N, or U in the first row of a plane.
-        let nearest = self.known_rows(place).next().and_then(|(at, _)| self.samples(before, at)?.first());
-        let reference = nearest.copied().unwrap_or(self.span.lowest);
+        // That of N, or of U in the first row of a plane.
+        let nearest = match place {
+            [0, 0] => None,
+            [0, z] => self.samples(before, [0, z.wrapping_sub(1)]),
+            [y, z] => self.samples(before, [y.wrapping_sub(1), z]),
+        };
+        let reference = nearest.and_then(|row| row.first().copied()).unwrap_or(self.span.lowest);
         Some(OwnRow { weights: [first, second, third], reference, span: self.span })
     }
 
@@ -178,14 +187,14 @@ impl Wide {
     fn known_weight(&self, [y, z]: [usize; 2]) -> i32 {
         let total = |weights: &[i16]| weights.iter().fold(0, |sum: i32, &w| sum.wrapping_add(w.into()));
         let weights = self.of_plane([y, z]).and_then(|weights| weights.0.get(WEST - 1..)).unwrap_or(&[]);
-        // The first row of a plane knows none of it: the first of all rows with weights. Weights not in use are 0.
-        let of_plane = SAMPLES.iter().filter(|taps| y == 0 && taps.deep == 0 && self.has(taps, [y, z]));
-        let unknown = of_plane.fold(0, |count: usize, taps| count.wrapping_add(taps.len()));
+        // The first row of a plane knows none of it; weights not in use are 0.
+        let [_, height, _] = self.plan.extent().sides();
+        let unknown = if y == 0 && height > 1 { OF_PLANE } else { 0 };
         total(weights.get(unknown..).unwrap_or(&[]))
     }
 
     /// The places of the known rows around a row, and their weights.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn known_rows(&self, place: [usize; 2]) -> impl Iterator<Item = ([usize; 2], &[i16])> {
         let weights = self.of_plane(place).and_then(|weights| weights.0.get(WEST - 1..)).unwrap_or(&[]);
         let mut rest = weights;
@@ -203,7 +212,7 @@ impl Wide {
     }
 
     /// The place of one of the rows around row y of plane z; beyond the border stands the nearest. `None` if none is known.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn known(&self, taps: &RowTaps, [y, z]: [usize; 2]) -> Option<[usize; 2]> {
         if taps.deep == 0 && y == 0 {
             return None;
@@ -215,7 +224,7 @@ impl Wide {
     }
 
     /// The samples of a row that is known.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn samples<'a>(&self, before: &'a [i32], [y, z]: [usize; 2]) -> Option<&'a [i32]> {
         let [width, height, _] = self.plan.extent().sides();
         let start = z.wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
