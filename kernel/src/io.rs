@@ -184,7 +184,7 @@ mod tests {
         let plan = Plan::new(Wavelet::Linear, Extent::line(64).unwrap(), 3).unwrap();
         let (mut samples, mut bytes) = ([0; 64], [0; LEN]);
         let mut scratch =
-            heapless::Vec::<_, 512>::from_iter([0; 64].into_iter().cycle().take(plan.scratch_len()));
+            heapless::Vec::<_, 1024>::from_iter([0; 64].into_iter().cycle().take(plan.scratch_len()));
         for (i, sample) in (0..).zip(&mut samples) {
             *sample = i * i % 50;
         }
