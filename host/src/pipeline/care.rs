@@ -18,10 +18,15 @@ pub(super) struct Care {
 }
 
 impl Care {
-    /// No care yet, for a base mesh of so many vertices.
-    pub(super) fn none(target: &TriangleMesh, base: usize) -> Self {
-        let share = target.positions.len() as f64 / base.max(1) as f64;
-        Self { rounds: vec![0; target.positions.len()], rings: share.sqrt().ceil() as usize }
+    /// No care yet.
+    pub(super) fn none(target: &TriangleMesh) -> Self {
+        Self { rounds: vec![0; target.positions.len()], rings: 0 }
+    }
+
+    /// Care reaches as far as the faces of a base mesh of so many vertices.
+    pub(super) fn reach(&mut self, base: usize) {
+        let share = self.rounds.len() as f64 / base.max(1) as f64;
+        self.rings = share.sqrt().ceil() as usize;
     }
 
     /// Takes more care where a surface is farther than `limit` cells' edges from the target or the target from it; whether
@@ -46,11 +51,14 @@ impl Care {
         true
     }
 
-    /// How many vertices one of the base mesh may stand for, if that is split so often.
-    pub(super) fn most(&self, levels: u32) -> Vec<u32> {
+    /// How many vertices one of the base mesh may stand for, where faces are to be split `levels` times but are only split
+    /// `splits` times: any number where no care was taken, but not more than the finest mesh has for it if it has fewer
+    /// levels.
+    pub(super) fn most(&self, levels: u32, splits: u32) -> Vec<u32> {
+        let of_all = if splits < levels { 4_u32.saturating_pow(splits) } else { u32::MAX };
         let of_rounds = |&rounds: &u8| match rounds {
-            0 => u32::MAX,
-            rounds => (4_u32.saturating_pow(levels) / PART.saturating_pow(rounds.into())).max(1),
+            0 => of_all,
+            rounds => (4_u32.saturating_pow(levels) / PART.saturating_pow(rounds.into())).clamp(1, of_all),
         };
         self.rounds.iter().map(of_rounds).collect()
     }

@@ -2,6 +2,7 @@
 
 use super::care::Care;
 use super::fit::{Aim, Fit, MISSED, Measured};
+use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
 use crate::mesh::{PolygonMesh, TriangleMesh};
@@ -20,6 +21,8 @@ const FAR: f64 = 2.0;
 const WORTH: f64 = 0.7;
 /// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
 const LEFT: f64 = 0.9;
+/// And none whose base mesh has less than so many times as many vertices.
+const FINER: f64 = 1.05;
 
 /// What a surface is made of.
 pub(super) struct Making<'a> {
@@ -37,39 +40,90 @@ pub(super) struct Fitted {
     pub(super) fit: Fit,
 }
 
+impl Fitted {
+    fn round(&self) -> Round {
+        let vertices = [self.base.positions.len(), self.wrapped.surface.positions.len()];
+        Round::new(vertices, self.wrapped.surface.levels, &self.fit)
+    }
+}
+
+/// A base mesh, and how often it is to be split.
+struct Planned {
+    base: BaseMesh,
+    levels: u32,
+}
+
 impl Making<'_> {
-    /// Makes surfaces over finer and finer base meshes until one fits; the best of them.
-    pub(super) fn fitted(mut self, done: &mut dyn FnMut(Stage)) -> Result<Fitted, BuildError> {
+    /// Makes surfaces over finer and finer base meshes until one fits, or there is no point in going on; the best of them.
+    pub(super) fn fitted(mut self, done: &mut dyn FnMut(Stage)) -> Result<(Fitted, Rounds), BuildError> {
         let aim = Aim::new(self.contour, self.field, self.distance.grid().cell_edge());
+        let unit = self.unit(&aim);
         // Collapses do not lead sharp edges back to themselves.
         self.constraints.recorded = self.constraints.features.edges.is_empty();
-        let (mut fitted, measured, error) =
-            self.made(&aim, target(self.contour, self.options.share)?, done)?;
-        let mut care = Care::none(self.contour, fitted.base.positions.len());
-        let mut measured = measured;
-        let unit = self.unit(&aim);
-        let mut least = excesses(&measured.fit, unit);
-        for _ in 0..self.options.rounds {
+        let mut care = Care::none(self.contour);
+        let error = self.options.error * aim.cell;
+        let mut planned = self.planned(&care, Target { error, ..target(self.contour, self.options.share)? })?;
+        care.reach(planned.base.mesh.positions.len());
+        let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) = (None, Vec::new(), [f64::MAX; 2]);
+        let end = loop {
+            done(Stage::Base);
+            let (next, measured) = self.made(&aim, &planned)?;
+            done(Stage::Wrap);
+            let found = excesses(&measured.fit, unit);
+            rounds.push(next.round());
+            if best.as_ref().is_none_or(|best| all(found) < all(excesses(&best.fit, unit))) {
+                best = Some(next);
+            }
+            if found == [1.0; 2] {
+                break End::Fits;
+            }
+            if rounds.len() as u32 > self.options.rounds {
+                break End::Asked;
+            }
+            if (0..2).all(|one| found[one] > LEFT * least[one]) {
+                break End::NoGain;
+            }
+            least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
             let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
-            if least == [1.0; 2] || !care.take(&aim, &measured, off) {
-                break;
+            if !care.take(&aim, &measured, off) {
+                break End::Finest;
             }
-            self.constraints.most = care.most(self.options.levels);
-            let next;
-            (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let found = excesses(&next.fit, unit);
-            let all = |fit: &Fit| excesses(fit, unit).iter().product::<f64>();
-            if all(&next.fit) < all(&fitted.fit) {
-                fitted = next;
+            drop(measured);
+            let (before, error) = (planned.base.mesh.positions.len(), planned.base.error);
+            planned = self.planned(&care, Target { vertices: 0, error })?;
+            if (planned.base.mesh.positions.len() as f64) < FINER * before as f64 {
+                break End::Finest;
             }
-            if (0..2).all(|one| found[one] > LEFT * least[one]) {
-                break;
+        };
+        best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
+    }
+
+    /// The base mesh that care asks for, and how often it can be split within what the finest mesh may have.
+    ///
+    /// With fewer levels the finest mesh has fewer vertices for one of the target where the base mesh is fine already, and
+    /// the base mesh becomes finer elsewhere.
+    fn planned(&mut self, care: &Care, target: Target) -> Result<Planned, BuildError> {
+        let BuildOptions { levels, growth, share, .. } = *self.options;
+        let of_levels = |splits: u32| 4_f64.powi(splits as i32);
+        let vertices = self.contour.positions.len() as f64;
+        let limit = growth * vertices * (share * of_levels(levels)).max(1.0);
+        let mut splits = levels;
+        loop {
+            self.constraints.most = care.most(levels, splits);
+            let least: f64 = self.constraints.most.iter().map(|&most| 1.0 / f64::from(most)).sum();
+            if splits > 1 && least * of_levels(splits) > limit {
+                splits -= 1;
+                continue;
             }
-            least = [0, 1].map(|one| least[one].min(found[one]));
+            let base = base_mesh(self.contour, &self.constraints, target)?;
+            if splits > 1 && base.mesh.positions.len() as f64 * of_levels(splits) > limit {
+                splits -= 1;
+                continue;
+            }
+            return Ok(Planned { base, levels: splits });
         }
-        Ok(fitted)
     }
 
     /// What distances from the target are to be told in, in cells' edges: the facets of a coarse mesh need not be told from
@@ -78,27 +132,25 @@ impl Making<'_> {
         self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0)
     }
 
-    /// Makes a surface; its measures and the error of its base mesh, too.
-    fn made(
-        &self,
-        aim: &Aim,
-        target: Target,
-        done: &mut dyn FnMut(Stage),
-    ) -> Result<(Fitted, Measured, f64), BuildError> {
-        let base = base_mesh(self.contour, &self.constraints, target)?;
-        done(Stage::Base);
+    /// Makes a surface over a base mesh, and measures it.
+    fn made(&self, aim: &Aim, planned: &Planned) -> Result<(Fitted, Measured), BuildError> {
+        let Planned { base, levels } = planned;
         let lines = self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features));
         let target = match self.field {
             Some((field, isovalue)) => wrap::Target::Isosurface(field, isovalue.into()),
             None => wrap::Target::Triangles(&aim.tree),
         };
-        let BuildOptions { levels, tolerance, .. } = *self.options;
-        let options =
-            WrapOptions { levels, tolerance, target, lines: lines.as_ref(), ..WrapOptions::default() };
+        let options = WrapOptions {
+            levels: *levels,
+            tolerance: self.options.tolerance,
+            target,
+            lines: lines.as_ref(),
+            ..WrapOptions::default()
+        };
         let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
-        let measured = self.placed(aim, &base, &mut wrapped, &options)?;
-        done(Stage::Wrap);
-        Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
+        let measured = self.placed(aim, base, &mut wrapped, &options)?;
+        let fitted = Fitted { base: base.mesh.clone(), wrapped, fit: measured.fit.clone() };
+        Ok((fitted, measured))
     }
 
     /// Places the components that do not fit by way of the collapses, where that is much better; and measures the surface.
@@ -142,6 +194,11 @@ impl Making<'_> {
 /// By how many times what fits a surface is off: its root mean square, and the farthest that is lost of its target.
 fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
     [fit.rms() / (RMS * unit), fit.backward.most / (MOST * unit)].map(|excess| excess.max(1.0))
+}
+
+/// What two excesses come to.
+fn all([rms, most]: [f64; 2]) -> f64 {
+    rms * most
 }
 
 /// Mean length of the sides of triangles.

@@ -6,10 +6,12 @@
 mod care;
 mod fit;
 mod making;
+mod round;
 
 use std::time::{Duration, Instant};
 
 pub use fit::{Fit, MISSED, Missed};
+pub use round::{End, Round, Rounds};
 
 use crate::distance::{self, DistanceError};
 use crate::field::{Grid, ScalarField};
@@ -39,10 +41,16 @@ pub enum Source<'a> {
 pub struct BuildOptions {
     /// Vertices of the base mesh, as a share of those of the contour or the mesh, before it is made finer in places.
     pub share: f64,
+    /// How far the base mesh may be off, in cells' edges, by the estimate of the collapses, which adds up what each of them
+    /// might have done: where that is reached, the base mesh has more vertices. Infinite for `share` alone to count.
+    pub error: f64,
     /// How often the base mesh is made finer, at most, in places where the surface does not fit.
     pub rounds: u32,
-    /// How often the base mesh is split.
+    /// How often the base mesh is split, …
     pub levels: u32,
+    /// … or less often, if the finest mesh would have more than so many times the vertices of the contour, or of what `share`
+    /// and `levels` alone come to. Infinite for `levels` alone to count.
+    pub growth: f64,
     /// Splits no further once the surface fits this well, in cells' edges.
     pub tolerance: f64,
     /// Cells along the longest axis of a mesh.
@@ -53,7 +61,16 @@ pub struct BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { share: 0.02, rounds: 3, levels: 3, tolerance: 0.0, cells: 192, sharp: None }
+        Self {
+            share: 0.02,
+            error: 20.0,
+            rounds: 3,
+            levels: 3,
+            growth: 4.0,
+            tolerance: 0.0,
+            cells: 192,
+            sharp: None,
+        }
     }
 }
 
@@ -97,6 +114,8 @@ pub struct Built {
     pub wrapped: Wrapped,
     /// How well it fits the contour or the mesh, both ways.
     pub fit: Fit,
+    /// The surfaces that were made before one was good enough.
+    pub rounds: Rounds,
 }
 
 /// Why there is no surface.
@@ -189,8 +208,8 @@ pub fn build(
     };
     timed.done(Stage::Distance);
     let making = Making { contour: &contour, constraints, field, distance: &distance.field, options };
-    let Fitted { base, wrapped, fit } = making.fitted(&mut |stage| timed.done(stage))?;
-    Ok(Built { repairs, contour, distance: distance.field, base, wrapped, fit })
+    let (Fitted { base, wrapped, fit }, rounds) = making.fitted(&mut |stage| timed.done(stage))?;
+    Ok(Built { repairs, contour, distance: distance.field, base, wrapped, fit, rounds })
 }
 
 fn no_surface(field: &ScalarField, isovalue: f32) -> BuildError {
