@@ -10,28 +10,28 @@ use crate::mesh::TriangleMesh;
 /// A round leaves one in so many.
 const PART: u32 = 4;
 
-/// How often care has been taken of each vertex of the target.
+/// How many vertices of the target one of the base mesh may stand for.
 pub(super) struct Care {
-    rounds: Vec<u8>,
+    most: Vec<u32>,
     /// How far around a place the base mesh becomes finer, in edges of the target.
     rings: usize,
 }
 
 impl Care {
-    /// No care yet.
+    /// No care yet: any number.
     pub(super) fn none(target: &TriangleMesh) -> Self {
-        Self { rounds: vec![0; target.positions.len()], rings: 0 }
+        Self { most: vec![u32::MAX; target.positions.len()], rings: 0 }
     }
 
     /// Care reaches as far as the faces of a base mesh of so many vertices.
     pub(super) fn reach(&mut self, base: usize) {
-        let share = self.rounds.len() as f64 / base.max(1) as f64;
+        let share = self.most.len() as f64 / base.max(1) as f64;
         self.rings = share.sqrt().ceil() as usize;
     }
 
-    /// Takes more care where a surface is farther than `limit` cells' edges from the target or the target from it; whether
-    /// there is such a place.
-    pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, limit: f64) -> bool {
+    /// Takes more care where a surface, of a base mesh that was split so often, is farther than `limit` cells' edges from the
+    /// target or the target from it; whether there is such a place.
+    pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, splits: u32, limit: f64) -> bool {
         let mut marked: Vec<bool> = measured.of_target.iter().map(|&distance| distance > limit).collect();
         let off =
             measured.of_surface.iter().zip(&measured.closest).filter(|&(&distance, _)| distance > limit);
@@ -45,23 +45,23 @@ impl Care {
         for _ in 0..self.rings {
             grow(aim.mesh, &mut marked);
         }
-        for (rounds, _) in self.rounds.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
-            *rounds = rounds.saturating_add(1);
+        for (most, _) in self.most.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
+            *most = ((*most).min(of_face(splits)) / PART).max(1);
         }
         true
     }
 
     /// How many vertices one of the base mesh may stand for, where faces are to be split `levels` times but are only split
-    /// `splits` times: any number where no care was taken, but not more than the finest mesh has for it if it has fewer
-    /// levels.
+    /// `splits` times: if that is less often, no more than the finest mesh has for it.
     pub(super) fn most(&self, levels: u32, splits: u32) -> Vec<u32> {
-        let of_all = if splits < levels { 4_u32.saturating_pow(splits) } else { u32::MAX };
-        let of_rounds = |&rounds: &u8| match rounds {
-            0 => of_all,
-            rounds => (4_u32.saturating_pow(levels) / PART.saturating_pow(rounds.into())).clamp(1, of_all),
-        };
-        self.rounds.iter().map(of_rounds).collect()
+        let of_all = if splits < levels { of_face(splits) } else { u32::MAX };
+        self.most.iter().map(|&most| most.min(of_all)).collect()
     }
+}
+
+/// How many faces a face becomes.
+pub(super) const fn of_face(splits: u32) -> u32 {
+    4_u32.saturating_pow(splits)
 }
 
 /// Marks the vertices of all triangles that have a marked one.

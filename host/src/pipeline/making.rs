@@ -1,6 +1,6 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
-use super::care::Care;
+use super::care::{Care, of_face};
 use super::fit::{Aim, Fit, MISSED, Measured};
 use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
@@ -87,7 +87,7 @@ impl Making<'_> {
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
             let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
-            if !care.take(&aim, &measured, off) {
+            if !care.take(&aim, &measured, planned.levels, off) {
                 break End::Finest;
             }
             drop(measured);
@@ -106,7 +106,7 @@ impl Making<'_> {
     /// the base mesh becomes finer elsewhere.
     fn planned(&mut self, care: &Care, target: Target) -> Result<Planned, BuildError> {
         let BuildOptions { levels, growth, share, .. } = *self.options;
-        let of_levels = |splits: u32| 4_f64.powi(splits as i32);
+        let of_levels = |splits: u32| f64::from(of_face(splits));
         let vertices = self.contour.positions.len() as f64;
         let limit = growth * vertices * (share * of_levels(levels)).max(1.0);
         let mut splits = levels;
