@@ -30,7 +30,7 @@ impl Care {
     }
 
     /// Takes more care where a surface, of a base mesh that was split so often, is farther than `limit` cells' edges from the
-    /// target or the target from it; whether there is such a place.
+    /// target or the target from it; whether there is such a place and care can be taken.
     pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, splits: u32, limit: f64) -> bool {
         let mut marked: Vec<bool> = measured.of_target.iter().map(|&distance| distance > limit).collect();
         let off =
@@ -39,16 +39,15 @@ impl Care {
             let triangle = aim.mesh.triangles[closest.triangle as usize];
             triangle.iter().for_each(|&corner| marked[corner as usize] = true);
         }
-        if !marked.contains(&true) {
-            return false;
-        }
-        for _ in 0..self.rings {
+        for _ in 0..if marked.contains(&true) { self.rings } else { 0 } {
             grow(aim.mesh, &mut marked);
         }
+        let mut taken = false;
         for (most, _) in self.most.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
-            *most = ((*most).min(of_face(splits)) / PART).max(1);
+            let before = std::mem::replace(most, ((*most).min(of_face(splits)) / PART).max(1));
+            taken |= *most < before;
         }
-        true
+        taken
     }
 
     /// How many vertices one of the base mesh may stand for, where faces are to be split `levels` times but are only split

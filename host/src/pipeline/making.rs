@@ -1,7 +1,8 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
 use super::care::{Care, of_face};
-use super::fit::{Aim, Fit, MISSED, Measured};
+use super::fit::{Aim, Fit, MISSED, Measured, RMS};
+use super::misfits::Misfits;
 use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
@@ -9,20 +10,14 @@ use crate::mesh::{PolygonMesh, TriangleMesh};
 use crate::simplify::{BaseMesh, Constraints, Target, base_mesh};
 use crate::wrap::{self, Lines, Settling, WrapOptions, Wrapped, wrap};
 
-/// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
-const RMS: f64 = 0.05;
-/// And a place of it that is at most so far: what is farther counts as missed.
-const MOST: f64 = MISSED;
 /// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
 /// … than so many times the root mean square.
 const FAR: f64 = 2.0;
-/// Components are placed by way of the collapses where that leaves less than this of what their distances are too large by.
-const WORTH: f64 = 0.7;
 /// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
 const LEFT: f64 = 0.9;
-/// And none whose base mesh has less than so many times as many vertices.
-const FINER: f64 = 1.05;
+/// The finest mesh has no more vertices than this, unless those options that bound it allow no less than that: two gigabytes.
+const MANY: f64 = 2_097_152.0;
 
 /// What a surface is made of.
 pub(super) struct Making<'a> {
@@ -62,9 +57,11 @@ impl Making<'_> {
         self.constraints.recorded = self.constraints.features.edges.is_empty();
         let mut care = Care::none(self.contour);
         let error = self.options.error * aim.cell;
-        let mut planned = self.planned(&care, Target { error, ..target(self.contour, self.options.share)? })?;
+        let mut planned =
+            self.planned(&care, Target { error, ..target(self.contour, self.options.share)? })?;
         care.reach(planned.base.mesh.positions.len());
-        let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) = (None, Vec::new(), [f64::MAX; 2]);
+        let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) =
+            (None, Vec::new(), [f64::MAX; 2]);
         let end = loop {
             done(Stage::Base);
             let (next, measured) = self.made(&aim, &planned)?;
@@ -86,16 +83,13 @@ impl Making<'_> {
             least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
-            let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
+            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms) };
             if !care.take(&aim, &measured, planned.levels, off) {
                 break End::Finest;
             }
             drop(measured);
-            let (before, error) = (planned.base.mesh.positions.len(), planned.base.error);
+            let error = planned.base.error;
             planned = self.planned(&care, Target { vertices: 0, error })?;
-            if (planned.base.mesh.positions.len() as f64) < FINER * before as f64 {
-                break End::Finest;
-            }
         };
         best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
     }
@@ -107,8 +101,8 @@ impl Making<'_> {
     fn planned(&mut self, care: &Care, target: Target) -> Result<Planned, BuildError> {
         let BuildOptions { levels, growth, share, .. } = *self.options;
         let of_levels = |splits: u32| f64::from(of_face(splits));
-        let vertices = self.contour.positions.len() as f64;
-        let limit = growth * vertices * (share * of_levels(levels)).max(1.0);
+        let asked = self.contour.positions.len() as f64 * (share * of_levels(levels)).max(1.0);
+        let limit = if growth.is_finite() { (growth * asked).min(MANY.max(asked)) } else { growth };
         let mut splits = levels;
         loop {
             self.constraints.most = care.most(levels, splits);
@@ -148,13 +142,13 @@ impl Making<'_> {
             ..WrapOptions::default()
         };
         let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
-        let measured = self.placed(aim, base, &mut wrapped, &options)?;
+        let measured = self.settled(aim, base, &mut wrapped, &options)?;
         let fitted = Fitted { base: base.mesh.clone(), wrapped, fit: measured.fit.clone() };
         Ok((fitted, measured))
     }
 
-    /// Places the components that do not fit by way of the collapses, where that is much better; and measures the surface.
-    fn placed(
+    /// Measures a surface; where it does not fit, components are placed another way, and vertices are drawn to crests.
+    fn settled(
         &self,
         aim: &Aim,
         base: &BaseMesh,
@@ -162,38 +156,32 @@ impl Making<'_> {
         options: &WrapOptions,
     ) -> Result<Measured, BuildError> {
         let levels = wrapped.surface.levels;
-        let mut surface = wrapped.surface.level(levels);
-        let measured = aim.measure(&surface);
-        let Some(history) = &base.history else { return Ok(measured) };
-        let ones = aim.components_of(&surface, history);
-        let limits = [RMS, MOST].map(|limit| limit * self.unit(aim));
-        let before = aim.excesses(&ones, &measured, limits);
-        let misfits: Vec<bool> = ones.iter().map(|&one| before[one as usize] > 1.0).collect();
-        if !misfits.contains(&true) {
+        let surface = wrapped.surface.level(levels);
+        let mut measured = aim.measure(&surface);
+        let history = base.history.as_ref();
+        let misfits = history.and_then(|history| {
+            Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim))?))
+        });
+        drop(surface);
+        let is_rough = |measured: &Measured| self.field.is_some() && measured.fit.backward.rms > RMS;
+        if misfits.is_none() && !is_rough(&measured) {
             return Ok(measured);
         }
-        let places = history.places(self.contour, &base.mesh, levels);
         let mut settling = Settling::new(&base.mesh, levels, self.distance, options)?;
-        surface.positions.copy_from_slice(settling.settled(&wrapped.surface.positions, &places, &misfits));
-        let settled = aim.measure(&surface);
-        let after = aim.excesses(&ones, &settled, limits);
-        let worth = |&one: &u32| after[one as usize] < WORTH * before[one as usize];
-        let better: Vec<bool> = ones.iter().map(worth).collect();
-        if !better.contains(&true) {
-            return Ok(measured);
+        if let Some((history, misfits)) = misfits {
+            let places = history.places(self.contour, &base.mesh, levels);
+            measured = misfits.placed(aim, wrapped, &mut settling, &places, measured);
         }
-        settling.finish(wrapped, &better);
-        if better == misfits {
-            return Ok(settled);
+        if is_rough(&measured) && settling.drawn(wrapped, &aim.draws(&measured, RMS)) > 0 {
+            measured = aim.measure(&wrapped.surface.level(levels));
         }
-        surface.positions.copy_from_slice(&wrapped.surface.positions);
-        Ok(aim.measure(&surface))
+        Ok(measured)
     }
 }
 
 /// By how many times what fits a surface is off: its root mean square, and the farthest that is lost of its target.
 fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
-    [fit.rms() / (RMS * unit), fit.backward.most / (MOST * unit)].map(|excess| excess.max(1.0))
+    [fit.rms() / (RMS * unit), fit.backward.most / (MISSED * unit)].map(|excess| excess.max(1.0))
 }
 
 /// What two excesses come to.

@@ -6,6 +6,7 @@
 mod care;
 mod fit;
 mod making;
+mod misfits;
 mod round;
 
 use std::time::{Duration, Instant};

@@ -31,6 +31,15 @@ pub(super) struct Cluster {
     pub(super) positions: Vec<Point>,
 }
 
+impl Cluster {
+    /// Mean length of the edges of a vertex that may move.
+    pub(super) fn edge_length(&self, vertex: usize) -> f64 {
+        let (ends, place) = (&self.neighbours[vertex], self.positions[vertex]);
+        let lengths = ends.iter().map(|&end| self.positions[end as usize].distance(place));
+        lengths.sum::<f64>() / ends.len().max(1) as f64
+    }
+}
+
 /// The parts of a mesh within some rings of faces; no face has vertices that may move of two parts.
 ///
 /// Cost: one pass over the faces of the mesh for each ring.
