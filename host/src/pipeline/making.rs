@@ -16,6 +16,9 @@ const OFF: f64 = 0.25;
 const FAR: f64 = 2.0;
 /// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
 const LEFT: f64 = 0.9;
+/// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
+/// be taken need not be fine.
+const FIRST: f64 = 2.0;
 /// The finest mesh has no more vertices than this, unless those options that bound it allow no less than that: two gigabytes.
 const MANY: f64 = 2_097_152.0;
 
@@ -56,9 +59,13 @@ impl Making<'_> {
         // Collapses do not lead sharp edges back to themselves.
         self.constraints.recorded = self.constraints.features.edges.is_empty();
         let mut care = Care::none(self.contour);
-        let error = self.options.error * aim.cell;
-        let mut planned =
-            self.planned(&care, Target { error, ..target(self.contour, self.options.share)? })?;
+        let BuildOptions { error, growth, rounds: more, .. } = *self.options;
+        let error = error * aim.cell;
+        let mut planned = self.planned(
+            &care,
+            Target { error, ..target(self.contour, self.options.share)? },
+            growth / FIRST,
+        )?;
         care.reach(planned.base.mesh.positions.len());
         let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) =
             (None, Vec::new(), [f64::MAX; 2]);
@@ -74,7 +81,7 @@ impl Making<'_> {
             if found == [1.0; 2] {
                 break End::Fits;
             }
-            if rounds.len() as u32 > self.options.rounds {
+            if rounds.len() as u32 > more {
                 break End::Asked;
             }
             if (0..2).all(|one| found[one] > LEFT * least[one]) {
@@ -89,7 +96,7 @@ impl Making<'_> {
             }
             drop(measured);
             let error = planned.base.error;
-            planned = self.planned(&care, Target { vertices: 0, error })?;
+            planned = self.planned(&care, Target { vertices: 0, error }, growth)?;
         };
         best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
     }
@@ -98,8 +105,8 @@ impl Making<'_> {
     ///
     /// With fewer levels the finest mesh has fewer vertices for one of the target where the base mesh is fine already, and
     /// the base mesh becomes finer elsewhere.
-    fn planned(&mut self, care: &Care, target: Target) -> Result<Planned, BuildError> {
-        let BuildOptions { levels, growth, share, .. } = *self.options;
+    fn planned(&mut self, care: &Care, target: Target, growth: f64) -> Result<Planned, BuildError> {
+        let BuildOptions { levels, share, .. } = *self.options;
         let of_levels = |splits: u32| f64::from(of_face(splits));
         let asked = self.contour.positions.len() as f64 * (share * of_levels(levels)).max(1.0);
         let limit = if growth.is_finite() { (growth * asked).min(MANY.max(asked)) } else { growth };
