@@ -14,7 +14,8 @@ use crate::wrap::{self, Lines, Settling, WrapOptions, Wrapped, wrap};
 const OFF: f64 = 0.25;
 /// … than so many times the root mean square.
 const FAR: f64 = 2.0;
-/// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
+/// No further round unless the last one left less than this of what the root mean square or the farthest is too large by, or
+/// had fewer levels than the one before, which shows what it is good for only when the base mesh is finer.
 const LEFT: f64 = 0.9;
 /// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
 /// be taken need not be fine.
@@ -69,13 +70,14 @@ impl Making<'_> {
         care.reach(planned.base.mesh.positions.len());
         let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) =
             (None, Vec::new(), [f64::MAX; 2]);
+        let mut splits = None;
         let end = loop {
             done(Stage::Base);
             let (next, measured) = self.made(&aim, &planned)?;
             done(Stage::Wrap);
             let found = excesses(&measured.fit, unit);
             rounds.push(next.round());
-            if best.as_ref().is_none_or(|best| all(found) < all(excesses(&best.fit, unit))) {
+            if best.as_ref().is_none_or(|best| is_better(found, excesses(&best.fit, unit))) {
                 best = Some(next);
             }
             if found == [1.0; 2] {
@@ -84,9 +86,10 @@ impl Making<'_> {
             if rounds.len() as u32 > more {
                 break End::Asked;
             }
-            if (0..2).all(|one| found[one] > LEFT * least[one]) {
+            if splits == Some(planned.levels) && (0..2).all(|one| found[one] > LEFT * least[one]) {
                 break End::NoGain;
             }
+            splits = Some(planned.levels);
             least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
@@ -191,9 +194,11 @@ fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
     [fit.rms() / (RMS * unit), fit.backward.most / (MISSED * unit)].map(|excess| excess.max(1.0))
 }
 
-/// What two excesses come to.
-fn all([rms, most]: [f64; 2]) -> f64 {
-    rms * most
+/// Whether a surface that is too far off by so much is better than one over a coarser base mesh: by a good deal, if that one
+/// fits all in all. The root mean square counts more than one place.
+fn is_better(found: [f64; 2], best: [f64; 2]) -> bool {
+    let all = |[rms, most]: [f64; 2]| rms * rms * most;
+    all(found) < all(best) * if best[0] > 1.0 { 1.0 } else { LEFT }
 }
 
 /// Mean length of the sides of triangles.

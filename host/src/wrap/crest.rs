@@ -94,3 +94,37 @@ fn least_corner(cluster: &Cluster, outwards: &[Point], vertex: usize) -> f64 {
     };
     cluster.faces_of[vertex].iter().map(of_face).fold(1.0, f64::min)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Grid, ScalarField};
+    use crate::wrap::goal::Target;
+    use crate::wrap::{WrapOptions, tests::cubes, wrap};
+
+    #[test]
+    fn vertices_are_drawn_where_that_strains_nothing() {
+        let middle = Point::splat(16.0);
+        let field = ScalarField::from_function(Grid::unit([33; 3]), |point| point.distance(middle) - 11.0);
+        let surface = wrap(&cubes(&field, 8), &field, &WrapOptions::default()).unwrap().surface;
+        let (space, goal) = (Space::new(&field), Goal::new(Target::Distance));
+        let mut level = Level::base(&surface.level(3), &space.border).unwrap();
+        let kept = level.positions.clone();
+        let length = level.rings.edge_length(0, &kept);
+        let aside = |vertex: u32, lengths: f64| {
+            let place = kept[vertex as usize];
+            let along = (kept[level.rings.neighbours(vertex as usize)[0] as usize] - place).normalize();
+            let moved = place + lengths * length * along;
+            Draw { vertex, place: middle + (moved - middle).normalize() * 11.0 }
+        };
+        // A little aside, beyond all neighbours, and to where the surface faces the other way.
+        let far = kept.len() as u32 - 1;
+        let opposite = Draw { vertex: 9, place: 2.0 * middle - kept[9] };
+        let draws = [aside(0, 0.2), aside(far, 3.0), opposite];
+        assert_eq!(draw(&mut level, &space, &goal, &draws), 1);
+        let moved: Vec<usize> =
+            (0..kept.len()).filter(|&vertex| kept[vertex] != level.positions[vertex]).collect();
+        assert_eq!((moved, level.positions[0]), (vec![0], draws[0].place));
+        assert_eq!(draw(&mut level, &space, &goal, &[]), 0);
+    }
+}
