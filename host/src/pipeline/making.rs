@@ -17,6 +17,8 @@ const FAR: f64 = 2.0;
 /// No further round unless the last one left less than this of what the root mean square or the farthest is too large by, or
 /// had fewer levels than the one before, which shows what it is good for only when the base mesh is finer.
 const LEFT: f64 = 0.9;
+/// And none whose base mesh has less than so many times as many vertices: one place of many takes few more.
+const FINER: f64 = 1.0001;
 /// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
 /// be taken need not be fine.
 const FIRST: f64 = 2.0;
@@ -50,6 +52,14 @@ impl Fitted {
 struct Planned {
     base: BaseMesh,
     levels: u32,
+}
+
+impl Planned {
+    /// Whether the base mesh is finer enough than another one for the surface to be another.
+    fn is_finer(&self, other: &Self) -> bool {
+        let [fine, coarse] = [self, other].map(|planned| planned.base.mesh.positions.len() as f64);
+        self.levels != other.levels || fine > FINER * coarse
+    }
 }
 
 impl Making<'_> {
@@ -98,8 +108,11 @@ impl Making<'_> {
                 break End::Finest;
             }
             drop(measured);
-            let error = planned.base.error;
-            planned = self.planned(&care, Target { vertices: 0, error }, growth)?;
+            let next = self.planned(&care, Target { vertices: 0, error: planned.base.error }, growth)?;
+            if !next.is_finer(&planned) {
+                break End::Finest;
+            }
+            planned = next;
         };
         best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
     }

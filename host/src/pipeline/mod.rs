@@ -294,7 +294,7 @@ mod tests {
     #[test]
     fn rough_surfaces_fit_within_bounds() {
         // Waves as short as two cells, and noise.
-        let grid = Grid { extent: [26; 3], origin: Point::ZERO, spacing: Point::ONE };
+        let grid = Grid { extent: [16; 3], origin: Point::ZERO, spacing: Point::ONE };
         let field = ScalarField::from_function(grid, |point| {
             let noise = (point.dot(Point::new(12.9898, 78.233, 37.719)).sin() * 43_758.545).fract();
             (point.x * 0.9).sin() + (point.y * 1.1).sin() + (point.z * 0.7).cos() + 0.7 * noise
