@@ -186,7 +186,8 @@ impl Making<'_> {
             Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim))?))
         });
         drop(surface);
-        let is_rough = |measured: &Measured| self.field.is_some() && measured.fit.backward.rms > RMS;
+        let may_draw = self.field.is_some() && self.options.rounds > 0;
+        let is_rough = |measured: &Measured| may_draw && measured.fit.backward.rms > RMS;
         if misfits.is_none() && !is_rough(&measured) {
             return Ok(measured);
         }
@@ -207,11 +208,11 @@ fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
     [fit.rms() / (RMS * unit), fit.backward.most / (MISSED * unit)].map(|excess| excess.max(1.0))
 }
 
-/// Whether a surface that is too far off by so much is better than one over a coarser base mesh: by a good deal, if that one
-/// fits all in all. The root mean square counts more than one place.
+/// Whether a surface that is too far off by so much is better than one over a coarser base mesh: if it fits, or by a good deal,
+/// if that one fits all in all. The root mean square counts more than one place.
 fn is_better(found: [f64; 2], best: [f64; 2]) -> bool {
     let all = |[rms, most]: [f64; 2]| rms * rms * most;
-    all(found) < all(best) * if best[0] > 1.0 { 1.0 } else { LEFT }
+    found == [1.0; 2] || all(found) < all(best) * if best[0] > 1.0 { 1.0 } else { LEFT }
 }
 
 /// Mean length of the sides of triangles.

@@ -45,7 +45,8 @@ pub struct BuildOptions {
     /// How far the base mesh may be off, in cells' edges, by the estimate of the collapses, which adds up what each of them
     /// might have done: where that is reached, the base mesh has more vertices. Infinite for `share` alone to count.
     pub error: f64,
-    /// How often the base mesh is made finer, at most, in places where the surface does not fit.
+    /// How often the base mesh is made finer, at most, in places where the surface does not fit. With none, vertices are not
+    /// drawn to crests either.
     pub rounds: u32,
     /// How often the base mesh is split, …
     pub levels: u32,
