@@ -17,8 +17,8 @@ const FAR: f64 = 2.0;
 /// No further round unless the last one left less than this of what the root mean square or the farthest is too large by, or
 /// had fewer levels than the one before, which shows what it is good for only when the base mesh is finer.
 const LEFT: f64 = 0.9;
-/// And none whose base mesh has less than so many times as many vertices: one place of many takes few more.
-const FINER: f64 = 1.0001;
+/// And none whose base mesh has nearly as many vertices as the last one: but for so small a part of them, it is the same.
+const SAME: f64 = 1e-4;
 /// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
 /// be taken need not be fine.
 const FIRST: f64 = 2.0;
@@ -55,10 +55,10 @@ struct Planned {
 }
 
 impl Planned {
-    /// Whether the base mesh is finer enough than another one for the surface to be another.
-    fn is_finer(&self, other: &Self) -> bool {
-        let [fine, coarse] = [self, other].map(|planned| planned.base.mesh.positions.len() as f64);
-        self.levels != other.levels || fine > FINER * coarse
+    /// Whether this is no other surface than the last one.
+    fn is_same(&self, last: &Self) -> bool {
+        let [new, old] = [self, last].map(|planned| planned.base.mesh.positions.len() as f64);
+        self.levels == last.levels && (new - old).abs() <= SAME * old
     }
 }
 
@@ -109,7 +109,7 @@ impl Making<'_> {
             }
             drop(measured);
             let next = self.planned(&care, Target { vertices: 0, error: planned.base.error }, growth)?;
-            if !next.is_finer(&planned) {
+            if next.is_same(&planned) {
                 break End::Finest;
             }
             planned = next;
