@@ -10,23 +10,28 @@ use crate::mesh::TriangleMesh;
 /// A round leaves one in so many.
 const PART: u32 = 4;
 
-/// How often care has been taken of each vertex of the target.
+/// How many vertices of the target one of the base mesh may stand for.
 pub(super) struct Care {
-    rounds: Vec<u8>,
+    most: Vec<u32>,
     /// How far around a place the base mesh becomes finer, in edges of the target.
     rings: usize,
 }
 
 impl Care {
-    /// No care yet, for a base mesh of so many vertices.
-    pub(super) fn none(target: &TriangleMesh, base: usize) -> Self {
-        let share = target.positions.len() as f64 / base.max(1) as f64;
-        Self { rounds: vec![0; target.positions.len()], rings: share.sqrt().ceil() as usize }
+    /// No care yet: any number.
+    pub(super) fn none(target: &TriangleMesh) -> Self {
+        Self { most: vec![u32::MAX; target.positions.len()], rings: 0 }
     }
 
-    /// Takes more care where a surface is farther than `limit` cells' edges from the target or the target from it; whether
-    /// there is such a place.
-    pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, limit: f64) -> bool {
+    /// Care reaches as far as the faces of a base mesh of so many vertices.
+    pub(super) fn reach(&mut self, base: usize) {
+        let share = self.most.len() as f64 / base.max(1) as f64;
+        self.rings = share.sqrt().ceil() as usize;
+    }
+
+    /// Takes more care where a surface, of a base mesh that was split so often, is farther than `limit` cells' edges from the
+    /// target or the target from it; whether there is such a place and care can be taken.
+    pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, splits: u32, limit: f64) -> bool {
         let mut marked: Vec<bool> = measured.of_target.iter().map(|&distance| distance > limit).collect();
         let off =
             measured.of_surface.iter().zip(&measured.closest).filter(|&(&distance, _)| distance > limit);
@@ -34,26 +39,28 @@ impl Care {
             let triangle = aim.mesh.triangles[closest.triangle as usize];
             triangle.iter().for_each(|&corner| marked[corner as usize] = true);
         }
-        if !marked.contains(&true) {
-            return false;
-        }
-        for _ in 0..self.rings {
+        for _ in 0..if marked.contains(&true) { self.rings } else { 0 } {
             grow(aim.mesh, &mut marked);
         }
-        for (rounds, _) in self.rounds.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
-            *rounds = rounds.saturating_add(1);
+        let mut taken = false;
+        for (most, _) in self.most.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
+            let before = std::mem::replace(most, ((*most).min(of_face(splits)) / PART).max(1));
+            taken |= *most < before;
         }
-        true
+        taken
     }
 
-    /// How many vertices one of the base mesh may stand for, if that is split so often.
-    pub(super) fn most(&self, levels: u32) -> Vec<u32> {
-        let of_rounds = |&rounds: &u8| match rounds {
-            0 => u32::MAX,
-            rounds => (4_u32.saturating_pow(levels) / PART.saturating_pow(rounds.into())).max(1),
-        };
-        self.rounds.iter().map(of_rounds).collect()
+    /// How many vertices one of the base mesh may stand for, where faces are to be split `levels` times but are only split
+    /// `splits` times: if that is less often, no more than the finest mesh has for it.
+    pub(super) fn most(&self, levels: u32, splits: u32) -> Vec<u32> {
+        let of_all = if splits < levels { of_face(splits) } else { u32::MAX };
+        self.most.iter().map(|&most| most.min(of_all)).collect()
     }
+}
+
+/// How many faces a face becomes.
+pub(super) const fn of_face(splits: u32) -> u32 {
+    4_u32.saturating_pow(splits)
 }
 
 /// Marks the vertices of all triangles that have a marked one.

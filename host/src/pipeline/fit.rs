@@ -4,7 +4,11 @@ use crate::field::ScalarField;
 use crate::measure::{Bounds, Bvh, Closest};
 use crate::mesh::{Point, PolygonMesh, Sets, TriangleMesh};
 use crate::simplify::History;
-use crate::wrap::{Misfit, ways};
+use crate::wrap::{Draw, Misfit, ways};
+
+/// A surface fits whose distance from the target is at most this, root mean square, in cells' edges, and of which nothing is
+/// missed.
+pub(super) const RMS: f64 = 0.05;
 
 /// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
 pub const MISSED: f64 = 1.0;
@@ -68,6 +72,8 @@ pub(super) struct Measured {
     pub(super) of_surface: Vec<f64>,
     /// The points of the target that are closest to these.
     pub(super) closest: Vec<Option<Closest>>,
+    /// The vertex of the surface that is near each vertex of the target: of the place that is closest.
+    pub(super) nearest: Vec<u32>,
 }
 
 impl<'a> Aim<'a> {
@@ -89,8 +95,15 @@ impl<'a> Aim<'a> {
         let in_cells = |closest: &Option<Closest>| {
             closest.map_or(f64::INFINITY, |closest| closest.distance_squared.sqrt() / self.cell)
         };
-        let tree = Bvh::new(&surface.triangulated());
-        let of_target: Vec<f64> = tree.closest_all(&self.mesh.positions).iter().map(in_cells).collect();
+        let (of_target, nearest) = {
+            let triangles = surface.triangulated();
+            let found = Bvh::new(&triangles).closest_all(&self.mesh.positions);
+            let nearest = found
+                .iter()
+                .zip(&self.mesh.positions)
+                .map(|(closest, &place)| nearest(&triangles, closest, place));
+            (found.iter().map(in_cells).collect::<Vec<f64>>(), nearest.collect())
+        };
         let fans = fans(surface);
         let closest = self.tree.closest_all(&fans.positions);
         let mut of_surface: Vec<f64> = closest.iter().map(in_cells).collect();
@@ -105,7 +118,20 @@ impl<'a> Aim<'a> {
             backward: misfit(self.mesh, &of_target),
             missed: self.missed(&of_target),
         };
-        Measured { fit, of_target, of_surface, closest }
+        Measured { fit, of_target, of_surface, closest, nearest }
+    }
+
+    /// What draws vertices of the surface: places of the target that it passes farther than `limit`, in cells' edges, but does
+    /// not miss; of those near a vertex the farthest.
+    pub(super) fn draws(&self, measured: &Measured, limit: f64) -> Vec<Draw> {
+        let off = measured.of_target.iter().zip(&measured.nearest).zip(&self.mesh.positions);
+        let mut draws: Vec<(u32, f64, Point)> = off
+            .filter(|((distance, _), _)| (limit..=MISSED).contains(*distance))
+            .map(|((&distance, &vertex), &place)| (vertex, distance, place))
+            .collect();
+        draws.sort_by(|one, other| one.0.cmp(&other.0).then(other.1.total_cmp(&one.1)));
+        draws.dedup_by_key(|draw| draw.0);
+        draws.into_iter().map(|(vertex, _, place)| Draw { vertex, place }).collect()
     }
 
     /// The component of the target that each vertex of a surface belongs to, by its first vertex.
@@ -160,6 +186,14 @@ impl<'a> Aim<'a> {
         missed.sort_by(|one, other| other.most.total_cmp(&one.most));
         missed
     }
+}
+
+/// The corner of the triangle of a closest place that is nearest to a point.
+fn nearest(mesh: &TriangleMesh, closest: &Option<Closest>, point: Point) -> u32 {
+    let Some(closest) = closest else { return 0 };
+    let away = |&corner: &u32| mesh.positions[corner as usize].distance_squared(point);
+    let [a, b, c] = mesh.triangles[closest.triangle as usize];
+    [b, c].into_iter().fold(a, |best, other| if away(&other) < away(&best) { other } else { best })
 }
 
 /// Root mean square over the area, and the largest, of distances at the vertices.

@@ -1,25 +1,29 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
-use super::care::Care;
-use super::fit::{Aim, Fit, MISSED, Measured};
+use super::care::{Care, of_face};
+use super::fit::{Aim, Fit, MISSED, Measured, RMS};
+use super::misfits::Misfits;
+use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
 use crate::mesh::{PolygonMesh, TriangleMesh};
 use crate::simplify::{BaseMesh, Constraints, Target, base_mesh};
 use crate::wrap::{self, Lines, Settling, WrapOptions, Wrapped, wrap};
 
-/// A surface fits whose distance from the target is at most this, root mean square, in cells' edges.
-const RMS: f64 = 0.05;
-/// And a place of it that is at most so far: what is farther counts as missed.
-const MOST: f64 = MISSED;
 /// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
 /// … than so many times the root mean square.
 const FAR: f64 = 2.0;
-/// Components are placed by way of the collapses where that leaves less than this of what their distances are too large by.
-const WORTH: f64 = 0.7;
-/// No further round unless the last one left less than this of what the root mean square or the farthest is too large by.
+/// No further round unless the last one left less than this of what the root mean square or the farthest is too large by, or
+/// had fewer levels than the one before, which shows what it is good for only when the base mesh is finer.
 const LEFT: f64 = 0.9;
+/// And none whose base mesh has nearly as many vertices as the last one: but for so small a part of them, it is the same.
+const SAME: f64 = 1e-4;
+/// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
+/// be taken need not be fine.
+const FIRST: f64 = 2.0;
+/// The finest mesh has no more vertices than this, unless those options that bound it allow no less than that: two gigabytes.
+const MANY: f64 = 2_097_152.0;
 
 /// What a surface is made of.
 pub(super) struct Making<'a> {
@@ -37,39 +41,106 @@ pub(super) struct Fitted {
     pub(super) fit: Fit,
 }
 
+impl Fitted {
+    fn round(&self) -> Round {
+        let vertices = [self.base.positions.len(), self.wrapped.surface.positions.len()];
+        Round::new(vertices, self.wrapped.surface.levels, &self.fit)
+    }
+}
+
+/// A base mesh, and how often it is to be split.
+struct Planned {
+    base: BaseMesh,
+    levels: u32,
+}
+
+impl Planned {
+    /// Whether this is no other surface than the last one.
+    fn is_same(&self, last: &Self) -> bool {
+        let [new, old] = [self, last].map(|planned| planned.base.mesh.positions.len() as f64);
+        self.levels == last.levels && (new - old).abs() <= SAME * old
+    }
+}
+
 impl Making<'_> {
-    /// Makes surfaces over finer and finer base meshes until one fits; the best of them.
-    pub(super) fn fitted(mut self, done: &mut dyn FnMut(Stage)) -> Result<Fitted, BuildError> {
+    /// Makes surfaces over finer and finer base meshes until one fits, or there is no point in going on; the best of them.
+    pub(super) fn fitted(mut self, done: &mut dyn FnMut(Stage)) -> Result<(Fitted, Rounds), BuildError> {
         let aim = Aim::new(self.contour, self.field, self.distance.grid().cell_edge());
+        let unit = self.unit(&aim);
         // Collapses do not lead sharp edges back to themselves.
         self.constraints.recorded = self.constraints.features.edges.is_empty();
-        let (mut fitted, measured, error) =
-            self.made(&aim, target(self.contour, self.options.share)?, done)?;
-        let mut care = Care::none(self.contour, fitted.base.positions.len());
-        let mut measured = measured;
-        let unit = self.unit(&aim);
-        let mut least = excesses(&measured.fit, unit);
-        for _ in 0..self.options.rounds {
+        let mut care = Care::none(self.contour);
+        let BuildOptions { error, growth, rounds: more, .. } = *self.options;
+        let error = error * aim.cell;
+        let mut planned = self.planned(
+            &care,
+            Target { error, ..target(self.contour, self.options.share)? },
+            growth / FIRST,
+        )?;
+        care.reach(planned.base.mesh.positions.len());
+        let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) =
+            (None, Vec::new(), [f64::MAX; 2]);
+        let mut splits = None;
+        let end = loop {
+            done(Stage::Base);
+            let (next, measured) = self.made(&aim, &planned)?;
+            done(Stage::Wrap);
+            let found = excesses(&measured.fit, unit);
+            rounds.push(next.round());
+            if best.as_ref().is_none_or(|best| is_better(found, excesses(&best.fit, unit))) {
+                best = Some(next);
+            }
+            if found == [1.0; 2] {
+                break End::Fits;
+            }
+            if rounds.len() as u32 > more {
+                break End::Asked;
+            }
+            if splits == Some(planned.levels) && (0..2).all(|one| found[one] > LEFT * least[one]) {
+                break End::NoGain;
+            }
+            splits = Some(planned.levels);
+            least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
-            let off = if rms <= RMS * unit { MOST * unit } else { (OFF * unit).min(FAR * rms) };
-            if least == [1.0; 2] || !care.take(&aim, &measured, off) {
-                break;
+            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms) };
+            if !care.take(&aim, &measured, planned.levels, off) {
+                break End::Finest;
             }
-            self.constraints.most = care.most(self.options.levels);
-            let next;
-            (next, measured, _) = self.made(&aim, Target { vertices: 0, error }, done)?;
-            let found = excesses(&next.fit, unit);
-            let all = |fit: &Fit| excesses(fit, unit).iter().product::<f64>();
-            if all(&next.fit) < all(&fitted.fit) {
-                fitted = next;
+            drop(measured);
+            let next = self.planned(&care, Target { vertices: 0, error: planned.base.error }, growth)?;
+            if next.is_same(&planned) {
+                break End::Finest;
             }
-            if (0..2).all(|one| found[one] > LEFT * least[one]) {
-                break;
+            planned = next;
+        };
+        best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
+    }
+
+    /// The base mesh that care asks for, and how often it can be split within what the finest mesh may have.
+    ///
+    /// With fewer levels the finest mesh has fewer vertices for one of the target where the base mesh is fine already, and
+    /// the base mesh becomes finer elsewhere.
+    fn planned(&mut self, care: &Care, target: Target, growth: f64) -> Result<Planned, BuildError> {
+        let BuildOptions { levels, share, .. } = *self.options;
+        let of_levels = |splits: u32| f64::from(of_face(splits));
+        let asked = self.contour.positions.len() as f64 * (share * of_levels(levels)).max(1.0);
+        let limit = if growth.is_finite() { (growth * asked).min(MANY.max(asked)) } else { growth };
+        let mut splits = levels;
+        loop {
+            self.constraints.most = care.most(levels, splits);
+            let least: f64 = self.constraints.most.iter().map(|&most| 1.0 / f64::from(most)).sum();
+            if splits > 1 && least * of_levels(splits) > limit {
+                splits -= 1;
+                continue;
             }
-            least = [0, 1].map(|one| least[one].min(found[one]));
+            let base = base_mesh(self.contour, &self.constraints, target)?;
+            if splits > 1 && base.mesh.positions.len() as f64 * of_levels(splits) > limit {
+                splits -= 1;
+                continue;
+            }
+            return Ok(Planned { base, levels: splits });
         }
-        Ok(fitted)
     }
 
     /// What distances from the target are to be told in, in cells' edges: the facets of a coarse mesh need not be told from
@@ -78,31 +149,29 @@ impl Making<'_> {
         self.field.map_or_else(|| (mean_edge(self.contour) / (2.0 * aim.cell)).max(1.0), |_| 1.0)
     }
 
-    /// Makes a surface; its measures and the error of its base mesh, too.
-    fn made(
-        &self,
-        aim: &Aim,
-        target: Target,
-        done: &mut dyn FnMut(Stage),
-    ) -> Result<(Fitted, Measured, f64), BuildError> {
-        let base = base_mesh(self.contour, &self.constraints, target)?;
-        done(Stage::Base);
+    /// Makes a surface over a base mesh, and measures it.
+    fn made(&self, aim: &Aim, planned: &Planned) -> Result<(Fitted, Measured), BuildError> {
+        let Planned { base, levels } = planned;
         let lines = self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features));
         let target = match self.field {
             Some((field, isovalue)) => wrap::Target::Isosurface(field, isovalue.into()),
             None => wrap::Target::Triangles(&aim.tree),
         };
-        let BuildOptions { levels, tolerance, .. } = *self.options;
-        let options =
-            WrapOptions { levels, tolerance, target, lines: lines.as_ref(), ..WrapOptions::default() };
+        let options = WrapOptions {
+            levels: *levels,
+            tolerance: self.options.tolerance,
+            target,
+            lines: lines.as_ref(),
+            ..WrapOptions::default()
+        };
         let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
-        let measured = self.placed(aim, &base, &mut wrapped, &options)?;
-        done(Stage::Wrap);
-        Ok((Fitted { base: base.mesh, wrapped, fit: measured.fit.clone() }, measured, base.error))
+        let measured = self.settled(aim, base, &mut wrapped, &options)?;
+        let fitted = Fitted { base: base.mesh.clone(), wrapped, fit: measured.fit.clone() };
+        Ok((fitted, measured))
     }
 
-    /// Places the components that do not fit by way of the collapses, where that is much better; and measures the surface.
-    fn placed(
+    /// Measures a surface; where it does not fit, components are placed another way, and vertices are drawn to crests.
+    fn settled(
         &self,
         aim: &Aim,
         base: &BaseMesh,
@@ -110,38 +179,40 @@ impl Making<'_> {
         options: &WrapOptions,
     ) -> Result<Measured, BuildError> {
         let levels = wrapped.surface.levels;
-        let mut surface = wrapped.surface.level(levels);
-        let measured = aim.measure(&surface);
-        let Some(history) = &base.history else { return Ok(measured) };
-        let ones = aim.components_of(&surface, history);
-        let limits = [RMS, MOST].map(|limit| limit * self.unit(aim));
-        let before = aim.excesses(&ones, &measured, limits);
-        let misfits: Vec<bool> = ones.iter().map(|&one| before[one as usize] > 1.0).collect();
-        if !misfits.contains(&true) {
+        let surface = wrapped.surface.level(levels);
+        let mut measured = aim.measure(&surface);
+        let history = base.history.as_ref();
+        let misfits = history.and_then(|history| {
+            Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim))?))
+        });
+        drop(surface);
+        let may_draw = self.field.is_some() && self.options.rounds > 0;
+        let is_rough = |measured: &Measured| may_draw && measured.fit.backward.rms > RMS;
+        if misfits.is_none() && !is_rough(&measured) {
             return Ok(measured);
         }
-        let places = history.places(self.contour, &base.mesh, levels);
         let mut settling = Settling::new(&base.mesh, levels, self.distance, options)?;
-        surface.positions.copy_from_slice(settling.settled(&wrapped.surface.positions, &places, &misfits));
-        let settled = aim.measure(&surface);
-        let after = aim.excesses(&ones, &settled, limits);
-        let worth = |&one: &u32| after[one as usize] < WORTH * before[one as usize];
-        let better: Vec<bool> = ones.iter().map(worth).collect();
-        if !better.contains(&true) {
-            return Ok(measured);
+        if let Some((history, misfits)) = misfits {
+            let places = history.places(self.contour, &base.mesh, levels);
+            measured = misfits.placed(aim, wrapped, &mut settling, &places, measured);
         }
-        settling.finish(wrapped, &better);
-        if better == misfits {
-            return Ok(settled);
+        if is_rough(&measured) && settling.drawn(wrapped, &aim.draws(&measured, RMS)) > 0 {
+            measured = aim.measure(&wrapped.surface.level(levels));
         }
-        surface.positions.copy_from_slice(&wrapped.surface.positions);
-        Ok(aim.measure(&surface))
+        Ok(measured)
     }
 }
 
 /// By how many times what fits a surface is off: its root mean square, and the farthest that is lost of its target.
 fn excesses(fit: &Fit, unit: f64) -> [f64; 2] {
-    [fit.rms() / (RMS * unit), fit.backward.most / (MOST * unit)].map(|excess| excess.max(1.0))
+    [fit.rms() / (RMS * unit), fit.backward.most / (MISSED * unit)].map(|excess| excess.max(1.0))
+}
+
+/// Whether a surface that is too far off by so much is better than one over a coarser base mesh: if it fits, or by a good deal,
+/// if that one fits all in all. The root mean square counts more than one place.
+fn is_better(found: [f64; 2], best: [f64; 2]) -> bool {
+    let all = |[rms, most]: [f64; 2]| rms * rms * most;
+    found == [1.0; 2] || all(found) < all(best) * if best[0] > 1.0 { 1.0 } else { LEFT }
 }
 
 /// Mean length of the sides of triangles.

@@ -43,7 +43,10 @@ pub enum EncodeError {
         asked: f64,
     },
     /// Coefficients do not fit 31 bits in the steps asked for.
-    #[error("coordinates are too large for a precision of {step}: choose a coarser one")]
+    #[error(
+        "coordinates are too large for a precision of {step}: choose a coarser one, or move the surface nearer to the \
+         origin"
+    )]
     Range {
         /// The step that coordinates were to be coded in.
         step: f64,

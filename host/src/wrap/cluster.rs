@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
+
 use super::border::Sides;
 use super::level::Level;
 use super::rings::Kind;
-use crate::mesh::{Faces, Point};
+use crate::mesh::{Faces, Point, Sets};
 
 /// Vertices that hang together, and all of their faces. Vertices are numbered anew: those that may move, in ascending order,
 /// then the others of these faces.
@@ -31,6 +33,15 @@ pub(super) struct Cluster {
     pub(super) positions: Vec<Point>,
 }
 
+impl Cluster {
+    /// Mean length of the edges of a vertex that may move.
+    pub(super) fn edge_length(&self, vertex: usize) -> f64 {
+        let (ends, place) = (&self.neighbours[vertex], self.positions[vertex]);
+        let lengths = ends.iter().map(|&end| self.positions[end as usize].distance(place));
+        lengths.sum::<f64>() / ends.len().max(1) as f64
+    }
+}
+
 /// The parts of a mesh within some rings of faces; no face has vertices that may move of two parts.
 ///
 /// Cost: one pass over the faces of the mesh for each ring.
@@ -46,7 +57,7 @@ pub(super) fn around(level: &Level, faces: &[u32], rings: usize) -> Vec<Cluster>
         }
     }
     let faces = touching(level, &marked);
-    parts(level, &marked, &faces).into_iter().map(|faces| cut(level, &marked, &faces)).collect()
+    parts(level, &marked, &faces).into_par_iter().map(|faces| cut(level, &marked, &faces)).collect()
 }
 
 /// Faces with a marked vertex.
@@ -56,30 +67,26 @@ fn touching(level: &Level, marked: &[bool]) -> Vec<u32> {
     faces.map(|(face, _)| face as u32).collect()
 }
 
-/// Splits faces into parts that share no marked vertex.
+/// Splits faces, in ascending order, into parts that share no marked vertex.
 fn parts(level: &Level, marked: &[bool], faces: &[u32]) -> Vec<Vec<u32>> {
     let marked_corners =
         |face: u32| level.faces.get(face as usize).iter().copied().filter(|&corner| marked[corner as usize]);
-    let mut faces_of = HashMap::<u32, Vec<u32>>::new();
+    let mut sets = Sets::new(level.positions.len());
     for &face in faces {
-        marked_corners(face).for_each(|corner| faces_of.entry(corner).or_default().push(face));
+        let mut corners = marked_corners(face);
+        if let Some(first) = corners.next() {
+            corners.for_each(|corner| sets.join(first, corner));
+        }
     }
-    let mut parts = Vec::new();
-    for &first in faces {
-        let mut part = Vec::new();
-        let mut waiting = vec![first];
-        while let Some(face) = waiting.pop() {
-            let corners: Vec<u32> = marked_corners(face).collect();
-            let next = corners.iter().filter_map(|corner| faces_of.remove(corner)).flatten();
-            let before = waiting.len();
-            waiting.extend(next);
-            part.extend_from_slice(&waiting[before..]);
+    let mut places = HashMap::new();
+    let mut parts = Vec::<Vec<u32>>::new();
+    for &face in faces {
+        let Some(corner) = marked_corners(face).next() else { continue };
+        let place = *places.entry(sets.root(corner)).or_insert(parts.len());
+        if place == parts.len() {
+            parts.push(Vec::new());
         }
-        part.sort_unstable();
-        part.dedup();
-        if !part.is_empty() {
-            parts.push(part);
-        }
+        parts[place].push(face);
     }
     parts
 }
@@ -95,14 +102,19 @@ fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
     }
     let movable = vertices.len();
     vertices.append(&mut rim);
-    let numbers: HashMap<u32, u32> = (0..).zip(&vertices).map(|(number, &vertex)| (vertex, number)).collect();
+    let number = |vertex: u32| {
+        let (inner, rim) = vertices.split_at(movable);
+        let found =
+            inner.binary_search(&vertex).or_else(|_| rim.binary_search(&vertex).map(|place| movable + place));
+        found.expect("a vertex of these faces") as u32
+    };
     let mut local = Faces::default();
     let mut faces_of = vec![Vec::new(); movable];
-    for (number, &face) in (0..).zip(faces) {
-        let corners: Vec<u32> = level.faces.get(face as usize).iter().map(|corner| numbers[corner]).collect();
+    for (place, &face) in (0..).zip(faces) {
+        let corners: Vec<u32> = level.faces.get(face as usize).iter().map(|&corner| number(corner)).collect();
         local.push(&corners);
         for &corner in corners.iter().filter(|&&corner| (corner as usize) < movable) {
-            faces_of[corner as usize].push(number);
+            faces_of[corner as usize].push(place);
         }
     }
     let neighbours = |&vertex: &u32| {
@@ -111,7 +123,7 @@ fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
             Kind::Crease(ends) => ends.to_vec(),
             Kind::Fixed => Vec::new(),
         };
-        ends.iter().map(|end| numbers[end]).collect()
+        ends.iter().map(|&end| number(end)).collect()
     };
     Cluster {
         neighbours: vertices[..movable].iter().map(neighbours).collect(),

@@ -63,7 +63,10 @@ pub enum WrapError {
         index: usize,
     },
     /// All distances have one sign.
-    #[error("the distance field has no zero, so that there is no surface to wrap: it lies all on one side")]
+    #[error(
+        "the distance field has no zero, so that there is no surface to wrap: all of it lies on one side, or the \
+         surface is smaller than a cell"
+    )]
     NoZero,
     /// The field of the isosurface has another grid than the distance field.
     #[error(

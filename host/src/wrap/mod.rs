@@ -10,6 +10,7 @@ mod attract;
 mod border;
 mod check;
 mod cluster;
+mod crest;
 mod ease;
 mod error;
 mod fit;
@@ -26,6 +27,7 @@ mod settle;
 #[cfg(test)]
 mod tests;
 
+pub use crest::Draw;
 pub use error::WrapError;
 pub use goal::{Target, ways};
 pub use lines::Lines;

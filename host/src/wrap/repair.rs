@@ -96,7 +96,7 @@ struct Patient<'a> {
 
 impl<'a> Patient<'a> {
     fn new(cluster: Cluster, space: &'a Space<'a>, goal: &'a Goal<'a>) -> Self {
-        let leash = |vertex| (cluster.positions[vertex], LEASH * edge_length(&cluster, vertex));
+        let leash = |vertex| (cluster.positions[vertex], LEASH * cluster.edge_length(vertex));
         let leashes: Vec<_> = (0..cluster.movable).map(leash).collect();
         let places = cluster.positions.iter().zip(&cluster.normals);
         let outwards = places.map(|(&place, &normal)| goal.outwards(place, normal, space)).collect();
@@ -210,14 +210,6 @@ impl<'a> Patient<'a> {
         }
         places
     }
-}
-
-/// Mean length of the edges of a vertex that may move, by its faces.
-fn edge_length(cluster: &Cluster, vertex: usize) -> f64 {
-    let ends = &cluster.neighbours[vertex];
-    let place = cluster.positions[vertex];
-    let lengths = ends.iter().map(|&end| cluster.positions[end as usize].distance(place));
-    lengths.sum::<f64>() / ends.len().max(1) as f64
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::crest::{Draw, draw};
 use super::goal::Goal;
 use super::level::{Level, Space};
 use super::relax::relaxed;
@@ -83,8 +84,22 @@ impl<'a> Settling<'a> {
         &level.positions
     }
 
+    /// Draws vertices of a surface to points of the target that it passes at a distance, as far as that strains no face; how
+    /// many moved.
+    ///
+    /// Cost: about 10 µs a drawn vertex on one core, and two passes over all vertices.
+    pub fn drawn(&mut self, wrapped: &mut Wrapped, draws: &[Draw]) -> usize {
+        let begun = Instant::now();
+        self.level.positions.clone_from(&wrapped.surface.positions);
+        let moved = draw(&mut self.level, &self.space, &self.goal, draws);
+        wrapped.surface.positions.copy_from_slice(&self.level.positions);
+        wrapped.report.finish(&self.level, &self.space, &self.goal);
+        wrapped.report.correction_seconds += begun.elapsed().as_secs_f64();
+        moved
+    }
+
     /// Leaves what was settled in a surface: those vertices that are `kept`, the others being as they were there.
-    pub fn finish(mut self, wrapped: &mut Wrapped, kept: &[bool]) {
+    pub fn finish(&mut self, wrapped: &mut Wrapped, kept: &[bool]) {
         let begun = Instant::now();
         let settled = wrapped.surface.positions.iter_mut().zip(&self.level.positions);
         for ((place, settled), _) in settled.zip(kept).filter(|(_, kept)| **kept) {

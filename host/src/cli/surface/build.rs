@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use wavelift_host::field::ScalarField;
 use wavelift_host::mesh::{Repairs, Report};
-use wavelift_host::pipeline::{self, BuildError, BuildOptions, Built, Missed, Source, Stage};
+use wavelift_host::pipeline::{self, BuildError, BuildOptions, Built, End, Missed, Rounds, Source, Stage};
 use wavelift_host::volume::{self, Fault, WriteOptions};
 use wavelift_host::wrap::Misfit;
 
@@ -45,7 +45,7 @@ pub(crate) struct Args {
     /// How often the base mesh is made finer where the surface does not fit, at most [default: 3, or 0 with --share]
     #[arg(long, value_name = "N")]
     rounds: Option<u32>,
-    /// How often faces are split
+    /// How often faces are split; without --share less often where the finest mesh would come out much finer than the contour
     #[arg(long, value_name = "N", default_value_t = 3)]
     levels: u32,
     /// Splits no further once the surface fits this well, in cells' edges
@@ -82,6 +82,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let usual = BuildOptions::default();
     let options = BuildOptions {
         share: args.share.unwrap_or(usual.share),
+        error: args.share.map_or(usual.error, |_| f64::INFINITY),
+        growth: args.share.map_or(usual.growth, |_| f64::INFINITY),
         rounds: args.rounds.unwrap_or(if args.share.is_some() { 0 } else { usual.rounds }),
         levels: args.levels,
         tolerance: args.tolerance,
@@ -106,11 +108,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let fit = fit(&built);
     warn(&built, is_mesh(&args.input));
     print(&format!(
-        "contour: {}\n{}base:    {}\n{}{fit}times: {}\n{}",
+        "contour: {}\n{}base:    {}\n{}{fit}{}times: {}\n{}",
         Report::of(&built.contour),
         repairs(&built),
         Report::of(&built.base),
         wrap::text(&built.wrapped.report),
+        rounds(&built),
         times.join(", "),
         encode::text(&args.output, surface, &encoded),
     ))
@@ -186,6 +189,16 @@ fn fit(built: &Built) -> String {
         lines.push(format!("  and {} more", fit.missed.len() - MOST_MISSED));
     }
     lines.join("\n") + "\n"
+}
+
+/// What the rounds came to, and why there were no more, if the first base mesh did not do.
+fn rounds(built: &Built) -> String {
+    let Rounds { made, end } = &built.rounds;
+    if *end == End::Fits && made.len() == 1 {
+        return String::new();
+    }
+    let rounds = (1..).zip(made).map(|(number, round)| format!("round {number}: {round}\n"));
+    rounds.collect::<String>() + &format!("no further round: {end}\n")
 }
 
 fn missed(part: &Missed) -> String {
