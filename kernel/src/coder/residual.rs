@@ -27,7 +27,7 @@ pub(crate) struct Models {
 
 impl Models {
     /// Memory for models that are reset before they are used.
-    #[cfg(feature = "adaptive")]
+    #[cfg(any(feature = "adaptive", test))]
     #[expect(clippy::large_stack_arrays, reason = "evaluated by the compiler")]
     pub(super) const BLANK: Self = {
         let blank = Distribution::new([0; SYMBOLS]);
@@ -40,7 +40,10 @@ impl Models {
     };
 
     /// Makes `self` what it is at first.
-    #[cfg_attr(not(feature = "adaptive"), expect(dead_code, reason = "no build without adapts them"))]
+    #[cfg_attr(
+        not(any(feature = "adaptive", test)),
+        expect(dead_code, reason = "no build without adapts them")
+    )]
     pub(crate) fn reset(&mut self) {
         self.small = priors::SMALL;
         self.large.fill(priors::LARGE);

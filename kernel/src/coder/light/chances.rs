@@ -35,7 +35,10 @@ pub(crate) struct Chances {
 }
 
 impl Chances {
-    #[cfg_attr(not(feature = "light"), expect(dead_code, reason = "no build without asks for them"))]
+    #[cfg_attr(
+        not(any(feature = "light", test)),
+        expect(dead_code, reason = "no build without asks for them")
+    )]
     pub(crate) const NEW: Self = Self { steps: [[EVEN; STEPS]; CLASSES], exponents: [EVEN; EXPONENTS] };
 
     /// Codes a row of ranks, by their energies but for `share` times the rank before.
