@@ -11,7 +11,7 @@ mod decoder;
 mod dense;
 mod distribution;
 mod encoder;
-
+mod energy;
 mod forecast;
 mod history;
 mod lattice;

@@ -1,5 +1,6 @@
 //! How large ranks are expected to be: the ranks around them.
 
+use crate::coder::energy::around;
 use crate::transform::{Plan, Subband};
 
 /// What is known around a row of ranks.
@@ -40,22 +41,10 @@ impl<'a> Around<'a> {
 
     /// The energies of the row, but for the ranks before in it: sums, which wrap.
     pub(super) fn energies(&self, energies: &mut [i32]) {
-        let (Some((north, norths)), Some((up, ups))) = (self.north.split_first(), self.up.split_first())
-        else {
+        if self.north.is_empty() {
             return energies.fill(0);
-        };
-        // Beyond its ends a row has its first and its last rank again.
-        let mut here = north.wrapping_add(*up);
-        let mut west = here.wrapping_mul(2);
-        for (((energy, south), north), up) in energies.iter_mut().zip(self.up_south).zip(norths).zip(ups) {
-            let east = north.wrapping_add(*up);
-            let with_east = here.wrapping_add(east);
-            *energy = west.wrapping_add(with_east).wrapping_add(*south);
-            (here, west) = (east, with_east);
         }
-        if let (Some(energy), Some(south)) = (energies.last_mut(), self.up_south.last()) {
-            *energy = here.wrapping_mul(2).wrapping_add(west).wrapping_add(*south);
-        }
+        around([self.north, self.up, self.up_south], energies, |energy| energy);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::MOST_SPAN_BITS;
 use super::neighbours::{Around, Kind, LOOPS_UNROLLED, add_row, add_three};
+use crate::coder::energy;
 use crate::extent::to_usize;
 
 /// Classes there are.
@@ -33,7 +34,8 @@ const PASSED: u8 = 8;
 /// The class of each place of a row, of ranks that may have classes above them.
 pub(super) fn classes(around: &Around<'_>, classes: &mut [i32]) {
     if around.kind == Kind::Brick && LOOPS_UNROLLED {
-        return classes_of_brick(around, classes);
+        let rows = [around.north, around.up, around.up_south];
+        return energy::around(rows, classes, |sum| class((sum & RANKS) >> 1));
     }
     classes.fill(0);
     match around.kind {
@@ -47,26 +49,6 @@ pub(super) fn classes(around: &Around<'_>, classes: &mut [i32]) {
         }
     }
     classes.iter_mut().for_each(|sum| *sum = class(*sum & RANKS));
-}
-
-/// The classes of a row of a brick, in one pass.
-fn classes_of_brick(around: &Around<'_>, classes: &mut [i32]) {
-    let Around { north, up, up_south, .. } = around;
-    let (Some((&north, norths)), Some((&up, ups))) = (north.split_first(), up.split_first()) else { return };
-    let mut here = north.wrapping_add(up);
-    // Beyond its ends a row has its first and its last value again.
-    let mut with_west = here.wrapping_mul(2);
-    let places = classes.iter_mut().zip(*up_south).zip(norths).zip(ups);
-    for (((class, south), north), up) in places {
-        let east = north.wrapping_add(*up);
-        let with_east = here.wrapping_add(east);
-        *class = self::class((with_west.wrapping_add(with_east).wrapping_add(*south) & RANKS) >> 1);
-        (here, with_west) = (east, with_east);
-    }
-    if let (Some(class), Some(south)) = (classes.last_mut(), up_south.last()) {
-        let sum = with_west.wrapping_add(here.wrapping_mul(2)).wrapping_add(*south);
-        *class = self::class((sum & RANKS) >> 1);
-    }
 }
 
 /// The class of an energy.
