@@ -96,4 +96,9 @@ async function start() {
     return verdict(decoder, vectors);
 }
 
-element("verdict").textContent = await start().catch((error) => `0 passed, 1 failed\n${error}`);
+const text = await start().catch((error) => `0 passed, 1 failed\n${error}`);
+element("verdict").textContent = text;
+// Who checks the page without looking at it opens it with `?verdict`, and is told.
+if (location.search === "?verdict") {
+    await fetch("verdict", { method: "POST", body: text });
+}

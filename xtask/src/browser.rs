@@ -1,11 +1,12 @@
 //! `cargo xtask browser`: the decoder in WebAssembly, what it weighs, and golden codestreams in Node and in Chromium.
 
 use std::fs;
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::sync::Arc;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, mpsc};
 use std::thread;
+use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -38,7 +39,10 @@ const FILES: [(&str, &str); 7] = [
 ];
 
 /// How long Node and Chromium may take.
-const SECONDS: &str = "900";
+const SECONDS: u32 = 900;
+
+/// Where the page sends its verdict, if its address asks for that.
+const REPORT: &str = "verdict";
 
 pub(crate) fn run() -> Failures {
     // "z" is shorter here; the library for microcontrollers keeps "s".
@@ -123,47 +127,49 @@ fn weigh() -> Result<(), String> {
 }
 
 fn node() -> Result<(), String> {
+    let seconds = SECONDS.to_string();
     let verdict =
-        standard_output(Command::new("timeout").args([SECONDS, "node", "node.mjs"]).current_dir(SITE))?;
+        standard_output(Command::new("timeout").args([&seconds, "node", "node.mjs"]).current_dir(SITE))?;
     println!("Node: {}", verdict.trim());
     all_passed("Node", verdict.trim())
 }
 
-/// Opens the page in headless Chromium and reads its verdict off it.
+/// Opens the page in headless Chromium and waits for the verdict that it reports.
 fn chromium() -> Result<(), String> {
     let server = Arc::new(Server::http("127.0.0.1:0").map_err(|error| format!("no server: {error}"))?);
-    let address = format!("http://{}/index.html", server.server_addr());
+    let address = format!("http://{}/index.html?{REPORT}", server.server_addr());
+    let (report, verdicts) = mpsc::channel();
     let serving = thread::spawn({
         let server = Arc::clone(&server);
-        move || serve(&server)
+        move || serve(&server, &report)
     });
-    let page = dump(&address);
+    let verdict = browse(&address, &verdicts);
     server.unblock();
     let missing = serving.join().map_err(|_| "the server stopped".to_owned())?;
-    let page = page?;
-    let verdict = between(&page, "<pre id=\"verdict\">", "</pre>").unwrap_or("no verdict on the page");
+    let verdict = verdict?;
     println!("Chromium: {verdict}");
     match missing.as_slice() {
-        [] => all_passed("Chromium", verdict),
+        [] => all_passed("Chromium", &verdict),
         paths => Err(format!("Chromium asked for {}", paths.join(", "))),
     }
 }
 
-/// Serves the site until unblocked; what was asked for and is not there.
-fn serve(server: &Server) -> Vec<String> {
+/// Serves the site until unblocked, and hands on what the page reports; what was asked for and is not there.
+fn serve(server: &Server, verdicts: &mpsc::Sender<String>) -> Vec<String> {
     let mut missing = vec![];
-    for request in server.incoming_requests() {
-        let file = FILES.iter().find(|(name, _)| request.url().strip_prefix('/') == Some(name));
-        let found = file.and_then(|(name, kind)| {
-            let header = Header::from_bytes("Content-Type", *kind).ok()?;
-            Some(Response::from_data(fs::read(Path::new(SITE).join(name)).ok()?).with_header(header))
-        });
-        let answered = match found {
-            Some(response) => request.respond(response),
-            None => {
-                missing.push(request.url().to_owned());
-                request.respond(Response::empty(404))
-            }
+    for mut request in server.incoming_requests() {
+        let path = request.url().split('?').next().unwrap_or_default().trim_start_matches('/').to_owned();
+        let answered = if path == REPORT {
+            let mut verdict = String::new();
+            let read = request.as_reader().read_to_string(&mut verdict).map(drop);
+            // Who waits may have given up.
+            drop(verdicts.send(verdict));
+            read.and_then(|()| request.respond(Response::empty(204)))
+        } else if let Some(response) = file(&path) {
+            request.respond(response)
+        } else {
+            missing.push(path);
+            request.respond(Response::empty(404))
         };
         if let Err(error) = answered {
             eprintln!("a browser went away: {error}");
@@ -172,21 +178,46 @@ fn serve(server: &Server) -> Vec<String> {
     missing
 }
 
-/// The page at `address` as headless Chromium has it when nothing happens any more.
-fn dump(address: &str) -> Result<String, String> {
+/// A file of the site, as a server sends it.
+fn file(path: &str) -> Option<Response<Cursor<Vec<u8>>>> {
+    let (name, kind) = FILES.iter().find(|(name, _)| *name == path)?;
+    let header = Header::from_bytes("Content-Type", *kind).ok()?;
+    Some(Response::from_data(fs::read(Path::new(SITE).join(name)).ok()?).with_header(header))
+}
+
+/// Lets headless Chromium show `address` until a verdict comes.
+fn browse(address: &str, verdicts: &mpsc::Receiver<String>) -> Result<String, String> {
     let profile = Path::new(SITE).join("profile");
     if profile.exists() {
         fs::remove_dir_all(&profile).map_err(|error| format!("{}: {error}", profile.display()))?;
     }
-    standard_output(
-        Command::new("timeout")
-            .args([SECONDS, "chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic"])
-            .args(["--no-first-run", "--disable-background-networking", "--disable-component-update"])
-            .args(["--disable-sync", "--virtual-time-budget=60000", "--dump-dom"])
-            .arg(format!("--user-data-dir={}", profile.display()))
-            .arg(address)
-            .stderr(Stdio::null()),
-    )
+    let mut chromium = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+        .args(["--disable-dev-shm-usage", &format!("--user-data-dir={}", profile.display()), address])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .map_err(|error| format!("chromium: {error}"))?;
+    let verdict = verdict_of(&mut chromium, verdicts);
+    // It may have ended by itself.
+    drop(chromium.kill());
+    chromium.wait().map_err(|error| format!("chromium: {error}"))?;
+    verdict
+}
+
+/// The verdict that the page in `chromium` reports.
+fn verdict_of(chromium: &mut Child, verdicts: &mpsc::Receiver<String>) -> Result<String, String> {
+    for _ in 0..SECONDS {
+        if let Ok(verdict) = verdicts.recv_timeout(Duration::from_secs(1)) {
+            return Ok(verdict);
+        }
+        if let Some(status) = chromium.try_wait().map_err(|error| format!("chromium: {error}"))? {
+            return Err(format!("chromium ended before the page was done ({status})"));
+        }
+    }
+    Err(format!("the page in chromium was not done after {SECONDS} s"))
 }
 
 fn standard_output(command: &mut Command) -> Result<String, String> {
@@ -208,10 +239,6 @@ fn all_passed(place: &str, verdict: &str) -> Result<(), String> {
     }
 }
 
-fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
-    Some(text.split_once(start)?.1.split_once(end)?.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,6 +249,5 @@ mod tests {
         assert!(all_passed("x", "148 passed, 1 failed\na: b").is_err());
         assert!(all_passed("x", "0 passed, 0 failed").is_err());
         assert!(all_passed("x", "not yet").is_err());
-        assert_eq!(between("<p>a</p>", "<p>", "</p>"), Some("a"));
     }
 }
