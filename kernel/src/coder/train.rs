@@ -1,18 +1,16 @@
 //! Training of a predictor's weights: weighted least squares by its normal equations, in integers.
 
+#[cfg_attr(feature = "vectors", path = "train/vector_products.rs")]
+mod products;
+
+use self::products::Columns;
 use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights, pad};
 use super::low_half;
 use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
-
-/// Coefficients of the low-pass part that are trained on, about: of larger ones only every so many rows, of longer rows
-/// the first.
-const TRAINED_ON: usize = 1 << 13;
-
-/// Coefficients of a subband of details that are trained on.
-const DETAILS_TRAINED_ON: usize = 1 << 11;
+use crate::extent::to_usize;
 
 /// Times that the weights are trained: coefficients that the last found hard to predict count less.
-const ROUNDS: usize = 2;
+pub(super) const ROUNDS: usize = 2;
 
 /// Neighbouring coefficients whose equations are set up together.
 const LANES: usize = 32;
@@ -44,6 +42,9 @@ const EXCESS_BITS: i32 = FACTOR_BITS - FRACTION_BITS.cast_signed() - 1;
 /// Entries of a triangular matrix.
 const ENTRIES: usize = WEIGHTS * (WEIGHTS + 1) / 2;
 
+/// The golden section of 2^32.
+const GOLDEN: u32 = 0x9E37_79B9;
+
 /// The memory in which an encoder trains predictors, of fixed size.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Training {
@@ -71,31 +72,27 @@ impl Training {
         width.saturating_add(2 * REACH).saturating_mul(2)
     }
 
-    /// The weights that suit the coefficients of a subband, learnt from some of them: in the last round from every row
-    /// that is trained on, before it from one in `sparse` of these.
+    /// The weights that suit the coefficients of a subband, learnt from about so many of them in each round: of more from
+    /// rows all over it, of a longer row from the first.
     pub(super) fn train(
         &mut self,
         taps: &Taps,
         coefficients: &[i32],
         scratch: &mut [i32],
-        sparse: usize,
+        lessons: [usize; ROUNDS],
     ) -> Weights {
-        let ([width, height, _], planes) = (taps.subband.sides, taps.numbers());
-        let every = width.wrapping_mul(height).wrapping_mul(planes.len()).div_ceil(trained_on(taps)) | 1;
-        // An odd step meets rows at every height. The top rows of planes know too little to learn from, unless there
-        // is no other.
-        let rows = planes.flat_map(|z| (usize::from(height > 1)..height).map(move |y| [y, z]));
-        let shift = usual_bits(taps, coefficients, rows.clone().step_by(every)).saturating_sub(USUAL_BITS);
+        let [width, ..] = taps.subband.sides;
+        let rows = |lessons: usize| rows(taps).take(lessons.div_ceil(width.max(1)));
+        let [.., most] = lessons;
+        let shift = usual_bits(taps, coefficients, rows(most)).saturating_sub(USUAL_BITS);
         let mut weights = Weights::ZERO;
-        for round in 0..ROUNDS {
+        for (round, lessons) in lessons.into_iter().enumerate() {
             self.matrix.fill(0);
             self.right.fill(0);
             let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
             let known = (round > 0).then_some(&*used);
-            let is_last = round == ROUNDS - 1;
-            let step = if is_last { every } else { every.wrapping_mul(sparse).max(1) };
-            for place in rows.clone().step_by(step) {
-                self.add_row(taps, coefficients, place, (shift, known), scratch);
+            for place in rows(lessons) {
+                self.add_row(taps, coefficients, (place, lessons), (shift, known), scratch);
             }
             self.solve(used);
         }
@@ -106,7 +103,7 @@ impl Training {
         weights
     }
 
-    /// Adds the coefficients of one row.
+    /// Adds the coefficients of one row, so many at most.
     #[expect(
         clippy::large_stack_frames,
         reason = "the lint counts every copy of an iterator; the frame is far smaller"
@@ -115,7 +112,7 @@ impl Training {
         &mut self,
         taps: &Taps,
         coefficients: &[i32],
-        place: [usize; 2],
+        (place, most): ([usize; 2], usize),
         (shift, weights): (u32, Option<&[i16]>),
         scratch: &mut [i32],
     ) -> Option<()> {
@@ -128,7 +125,7 @@ impl Training {
         pad(row, width, own, |coefficient| coefficient);
         own.get_mut(..REACH)?.fill(if taps.is_low_pass() { reference.unwrap_or(0) } else { 0 });
         let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
-        for start in (0..width.min(trained_on(taps))).step_by(LANES) {
+        for start in (0..width.min(most)).step_by(LANES) {
             self.neighbours.as_flattened_mut().fill(0);
             self.targets.fill(0);
             let west = own.get(start.wrapping_add(REACH - 1)..)?;
@@ -169,19 +166,27 @@ impl Training {
 
     /// Adds a block of coefficients, each of which counts inversely to the size of its residual under the `weights` so
     /// far, or at first to the mean size of its differences: a few edges must not outweigh everything else.
+    #[cfg_attr(
+        feature = "vectors",
+        expect(
+            clippy::large_stack_frames,
+            reason = "on computers, which alone have vectors, that is little"
+        )
+    )]
     fn add_block(&mut self, count: usize, weights: Option<&[i16]>) {
         let factors = match weights {
             Some(weights) => self.residual_factors(weights),
             None => self.difference_factors(count),
         };
+        let columns = Columns::new(self.neighbours.get(..count).unwrap_or(&[]));
         let rows = self.neighbours.iter().zip(&mut self.right).take(count);
         for (r, (row, right)) in rows.enumerate() {
             let mut weighted = [0_i16; LANES];
             for ((weighted, &difference), factor) in weighted.iter_mut().zip(row).zip(factors) {
                 *weighted = low_half(i32::from(difference).wrapping_mul(factor).wrapping_add(128) >> 8);
             }
-            let others = self.neighbours.get(..r.wrapping_add(1)).unwrap_or(&[]);
-            add_dots(&weighted, others, self.matrix.get_mut(index(r, 0)..).unwrap_or(&mut []));
+            let entries = self.matrix.get_mut(index(r, 0)..=index(r, r)).unwrap_or(&mut []);
+            columns.add_products(&weighted, entries);
             *right = right.wrapping_add(dot(&weighted, &self.targets).into());
         }
     }
@@ -314,17 +319,6 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
     }
 }
 
-/// Adds the sums of products of a row with others to `sums`.
-#[cfg_attr(not(feature = "small"), inline(never))]
-fn add_dots(row: &[i16; LANES], others: &[[i16; LANES]], sums: &mut [i64]) {
-    for (other, sum) in others.iter().zip(sums) {
-        // If the row were known to be the same, its elements would be widened once for all others, and pairs not be
-        // multiplied and added at once, which is quicker.
-        let row = if cfg!(feature = "small") { row } else { core::hint::black_box(row) };
-        *sum = sum.wrapping_add(dot(row, other).into());
-    }
-}
-
 /// The sum of products.
 #[inline(always)]
 fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
@@ -367,9 +361,22 @@ fn divided_unsigned(mut dividend: u64, divisor: u64) -> u64 {
     quotient
 }
 
-/// Coefficients that are trained on, about.
-const fn trained_on(taps: &Taps) -> usize {
-    if taps.is_low_pass() { TRAINED_ON } else { DETAILS_TRAINED_ON }
+/// The places of rows to learn from, y and z: however few are taken, they lie all over the subband. The top rows of
+/// planes know too little to learn from, unless there is no other.
+fn rows(taps: &Taps) -> impl Iterator<Item = [usize; 2]> {
+    let ([_, height, _], planes) = (taps.subband.sides, taps.numbers());
+    let first = usize::from(height > 1);
+    let rows = height.wrapping_sub(first);
+    let count = rows.wrapping_mul(planes.len());
+    let cycle = count.checked_next_power_of_two().unwrap_or(0);
+    // An odd stride visits each place of the cycle once.
+    let bits = cycle.checked_ilog2().unwrap_or(0);
+    let stride = to_usize(GOLDEN.checked_shr(u32::BITS.saturating_sub(bits)).unwrap_or(0)) | 1;
+    let places = (0..cycle).map(move |number| number.wrapping_mul(stride) & cycle.wrapping_sub(1));
+    places.filter(move |&place| place < count).map(move |place| {
+        let (plane, row) = (place.checked_div(rows).unwrap_or(0), place.checked_rem(rows).unwrap_or(0));
+        [first.wrapping_add(row), planes.start.wrapping_add(plane)]
+    })
 }
 
 /// Bits of the mean difference of neighbours in a row, or of the mean coefficient in a subband of details.
@@ -434,7 +441,7 @@ mod tests {
 
     fn trained(plan: &Plan, planes: Planes, samples: &[i32]) -> Weights {
         let taps = Taps::new(plan, plan.subbands(0).next().unwrap(), planes).unwrap();
-        { Training::NEW }.train(&taps, samples, &mut [0; 256], 1)
+        { Training::NEW }.train(&taps, samples, &mut [0; 256], [1 << 13; 2])
     }
 
     /// Noise of -2048 to 2047.

@@ -11,6 +11,7 @@
 
 mod bits;
 mod class;
+mod counts;
 mod narrow;
 mod neighbours;
 mod numerals;
@@ -25,6 +26,7 @@ mod wide;
 use core::ops::Range;
 
 use self::bits::{BitReader, BitWriter};
+use self::counts::Counts;
 use self::narrow::Narrow;
 use self::neighbours::row_at;
 use self::numerals::{NumeralReader, NumeralWriter};
@@ -228,23 +230,35 @@ impl Brick<'_> {
     ///
     /// The class of each rank stands above it from then on.
     #[cfg_attr(feature = "small", inline(never))]
+    #[cfg_attr(
+        not(feature = "small"),
+        expect(
+            clippy::large_stack_frames,
+            reason = "the lint counts every copy of the counts; the frame is far smaller"
+        )
+    )]
     fn write(&mut self, tables: &mut Tables, predictor: &Predictor, out: &mut [u8]) -> Option<usize> {
         let (fixed, rest) = out.split_at_mut_checked(EXTRA_LEN.end)?;
         let mut extra = BitWriter::new(rest);
+        let mut counts = Counts::new(tables);
         for place in self.rows() {
             let (around, row) = row_at(self.values, self.sides, place)?;
             let classes = self.scratch.get_mut(..row.len())?;
             class::classes(&around, classes);
-            for (value, &class) in row.iter_mut().zip(&*classes) {
-                let rank = value.cast_unsigned();
-                let (token, bits) = token::of_rank(rank);
-                tables.count(class, token);
-                if bits > 0 {
-                    extra.put(rank, bits)?;
+            for (row, classes) in row.chunks_mut(counts::PIECE).zip(classes.chunks(counts::PIECE)) {
+                for (column, (value, &class)) in row.iter_mut().zip(classes).enumerate() {
+                    let rank = value.cast_unsigned();
+                    let (token, bits) = token::of_rank(rank);
+                    counts.count(column, class, token);
+                    if bits > 0 {
+                        extra.put(rank, bits)?;
+                    }
+                    *value |= class << class::PLACE;
                 }
-                *value |= class << class::PLACE;
+                counts.carry(row.len());
             }
         }
+        let tables = counts.finish();
         let extra_len = extra.finish()?;
         copy(&u32::try_from(extra_len).ok()?.to_le_bytes(), fixed.get_mut(EXTRA_LEN)?);
         let mut head = BitWriter::new(rest.get_mut(extra_len..)?);

@@ -204,8 +204,8 @@ mod tests {
     /// Half the points of class 0 are of each of the tokens 0 and 1.
     fn halves() -> Tables {
         let mut tables = Tables::NEW;
-        tables.count(0, 0);
-        tables.count(0, 1);
+        tables.count(0, 0, 1);
+        tables.count(0, 1, 1);
         tables.normalise();
         tables
     }

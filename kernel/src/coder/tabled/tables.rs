@@ -11,7 +11,7 @@ pub(super) const SUM_BITS: u32 = 12;
 const SUM: u16 = 1 << SUM_BITS;
 
 /// Classes and tokens, rounded up so that masks keep indices in bounds.
-const CLASS_SLOTS: usize = 16;
+pub(super) const CLASS_SLOTS: usize = 16;
 /// As [`CLASS_SLOTS`].
 const TOKEN_SLOTS: usize = 64;
 
@@ -22,13 +22,24 @@ const FINDER_BITS: u32 = 6;
 const FINDER: usize = 1 << (SUM_BITS - FINDER_BITS);
 
 /// Bits of the number of tokens of a class.
-const COUNT_BITS: u32 = 6;
+const NUMBER_BITS: u32 = 6;
+
+/// Bits of a count.
+const COUNT_BITS: u32 = 19;
+
+/// Low ones among them.
+const LOW_BITS: u32 = 15;
+
+/// All of these set.
+const LOW: u16 = (1 << LOW_BITS) - 1;
+
+const _: () = assert!(COUNT_BITS + SUM_BITS < u32::BITS);
 
 const _: () = assert!(CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
 
 /// For each class where the shares of its tokens begin, from 0 to 4096.
 ///
-/// While tokens are counted, entry t holds the count of token t.
+/// While tokens are counted, entry t holds the count of token t: the low 15 bits, and those above in the finder.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Tables {
     starts: [[u16; TOKEN_SLOTS]; CLASS_SLOTS],
@@ -49,25 +60,41 @@ impl Tables {
     pub(crate) const NEW: Self =
         Self { starts: [[0; TOKEN_SLOTS]; CLASS_SLOTS], finder: [[0; FINDER]; CLASS_SLOTS] };
 
-    /// Counts a token of a class; all of the class count half when one count is full.
+    /// Counts a token of a class a number of times.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn count(&mut self, class: i32, token: u32) {
+    pub(super) fn count(&mut self, class: i32, token: u32, times: u16) {
         let Some(counts) = self.starts.get_mut(slot(class)) else { return };
         let Some(count) = counts.get_mut(low(token) & (TOKEN_SLOTS - 1)) else { return };
-        *count = count.wrapping_add(1);
-        if *count == u16::MAX {
-            counts.iter_mut().for_each(|count| *count = count.div_ceil(2));
+        *count = count.wrapping_add(times);
+    }
+
+    /// Brings the low bits of counts, all below 2^16, to below 2^15. With a count of 2^19, all of its class count half.
+    pub(super) fn carry(&mut self) {
+        for (lows, highs) in self.starts.iter_mut().zip(&mut self.finder) {
+            let mut largest = 0;
+            for (low, high) in lows.iter_mut().zip(&mut *highs) {
+                *high = high.wrapping_add(u8::from(*low >= 1 << LOW_BITS));
+                *low &= LOW;
+                largest = largest.max(*high);
+            }
+            if largest >> (COUNT_BITS - LOW_BITS) > 0 {
+                for (low, high) in lows.iter_mut().zip(highs) {
+                    *low = low.wrapping_add(u16::from(*high & 1) << LOW_BITS).div_ceil(2);
+                    *high >>= 1;
+                }
+            }
         }
     }
 
     /// Makes starts of shares of the counts: each token that was counted has a share.
     pub(super) fn normalise(&mut self) {
-        for counts in self.starts.iter_mut().take(CLASSES) {
-            let sum = counts.iter().fold(0_u32, |sum, &count| sum.wrapping_add(count.into()));
-            for count in counts.iter_mut() {
-                let share =
-                    (u32::from(*count) << SUM_BITS).wrapping_add(sum >> 1).checked_div(sum).unwrap_or(0);
-                *count = u16::try_from(share).unwrap_or(SUM).max(u16::from(*count > 0));
+        for (counts, highs) in self.starts.iter_mut().zip(&self.finder).take(CLASSES) {
+            let total = |(&low, &high): (&u16, &u8)| (u32::from(high) << LOW_BITS).wrapping_add(low.into());
+            let sum = counts.iter().zip(highs).map(total).fold(0, u32::wrapping_add);
+            for (count, high) in counts.iter_mut().zip(highs) {
+                let total = total((count, high));
+                let share = (total << SUM_BITS).wrapping_add(sum >> 1).checked_div(sum).unwrap_or(0);
+                *count = u16::try_from(share).unwrap_or(SUM).max(u16::from(total > 0));
             }
             balance(counts);
             accumulate(counts);
@@ -82,7 +109,7 @@ impl Tables {
                 .clone()
                 .rposition(|frequency| frequency > 0)
                 .map_or(0, |last| last.wrapping_add(1));
-            bits.put(u32::try_from(used).ok()?, COUNT_BITS)?;
+            bits.put(u32::try_from(used).ok()?, NUMBER_BITS)?;
             let mut before = SUM_BITS;
             for frequency in frequencies.take(used) {
                 let size = u16::BITS.wrapping_sub(frequency.leading_zeros());
@@ -98,7 +125,7 @@ impl Tables {
     /// all, so that damage which asks for one changes no state.
     pub(super) fn read(&mut self, bits: &mut BitReader<'_>) -> Option<()> {
         for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(CLASSES) {
-            let used = low(bits.take(COUNT_BITS));
+            let used = low(bits.take(NUMBER_BITS));
             if used > TOKENS {
                 return None;
             }
@@ -238,9 +265,9 @@ mod tests {
     fn frequencies_are_in_proportion_and_come_back() {
         let mut tables = Tables::NEW;
         for _ in 0..3 {
-            tables.count(2, 0);
+            tables.count(2, 0, 1);
         }
-        tables.count(2, 5);
+        tables.count(2, 5, 1);
         tables.normalise();
         let mut out = [0; 64];
         let mut bits = BitWriter::new(&mut out);

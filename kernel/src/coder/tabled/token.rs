@@ -6,7 +6,7 @@
 pub(super) const TOKENS: usize = 42;
 
 /// Ranks that are tokens.
-const DIRECT: u32 = 8;
+pub(super) const DIRECT: u32 = 8;
 
 /// The octave of the first rank that is not.
 const FIRST_OCTAVE: u32 = 3;

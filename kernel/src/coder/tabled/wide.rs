@@ -19,8 +19,8 @@ const LARGEST: i16 = (1 << (CODED_BITS - 1)) - 1;
 /// The largest sum of magnitudes of weights: sums of products with samples of 16 bits do not overflow.
 const LARGEST_SUM: u32 = 1 << 14;
 
-/// Of the rows that the weights are trained on in the end, so many times fewer are at first.
-const SPARSE: usize = 4;
+/// Samples that weights are trained on, at first and in the end.
+const LESSONS: [usize; 2] = [1 << 11, 1 << 12];
 
 /// Half of the last bit that is rounded away.
 const HALF: i32 = 1 << (FRACTION_BITS - 1);
@@ -60,7 +60,7 @@ impl Wide {
         let mut wide = Self::new(extent, span)?;
         for number in 0..2 {
             let Some(taps) = wide.taps(number) else { continue };
-            let mut learnt = training.train(&taps, samples, scratch, SPARSE);
+            let mut learnt = training.train(&taps, samples, scratch, LESSONS);
             learnt.0.iter_mut().for_each(|weight| *weight = (*weight).clamp(-LARGEST, LARGEST));
             if let Some(slot) = wide.weights.get_mut(number)
                 && are_small(&learnt)
