@@ -136,7 +136,7 @@ fn failure(input: &Path, error: ContainerError) -> Failure {
         ContainerError::Write(error) => error.into(),
         other if other.is_damage() => {
             let advice = "`--salvage` writes what is whole";
-            Failure::at(input, Fault::Data, format_args!("{other}: {advice}"))
+            Failure::at(input, Fault::Data, format_args!("{}: {advice}", other.cause()))
         }
         other => Failure::of_container(input, &other),
     }

@@ -66,7 +66,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let findings = match Container::open(&args.input) {
         Ok(container) => examine(args, &container)?,
         Err(error) if error.kind() == Fault::Data => {
-            Findings { damaged: vec![error.to_string()], ..Findings::default() }
+            Findings { damaged: vec![error.cause().to_string()], ..Findings::default() }
         }
         Err(error) => return Err(Failure::of_container(&args.input, &error)),
     };

@@ -260,7 +260,7 @@ fn what_cannot_be_held_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |header: &Header, name: &str, byte_order, gzip| {
         let options = WriteOptions { byte_order, gzip };
-        create(&folder.path().join(name), header, &options).unwrap_err().to_string()
+        create(folder.path().join(name), header, &options).unwrap_err().to_string()
     };
     assert!(
         refused(&header, "a.vtk", Some(ByteOrder::Little), false)
@@ -271,7 +271,7 @@ fn what_cannot_be_held_is_told() {
     assert!(refused(&header, "a.vti", None, false).contains("2 time steps"));
     header.steps = 1;
     let Created { sink, .. } =
-        create(&folder.path().join("a.vti"), &header, &WriteOptions::default()).unwrap();
+        create(folder.path().join("a.vti"), &header, &WriteOptions::default()).unwrap();
     assert!(matches!(sink.finish(), Err(WriteError::SampleBytes { expected: 48, found: 0, .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
