@@ -1,5 +1,6 @@
 //! Output that appears whole or not at all.
 
+mod behind;
 mod folder;
 mod register;
 mod temporary;
@@ -9,6 +10,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use behind::Behind;
 pub use folder::AtomicFolder;
 use register::Pending;
 pub use register::abandon_all;
@@ -47,7 +49,7 @@ pub struct AtomicFile {
 
 #[derive(Debug)]
 enum Target {
-    Replaced { file: BufWriter<File>, temporary: Temporary, path: PathBuf },
+    Replaced { file: BufWriter<File>, behind: Behind, temporary: Temporary, path: PathBuf },
     Direct(BufWriter<File>),
 }
 
@@ -56,7 +58,7 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// When the folder is missing or not writable, `path` is a folder, links lead in a circle, or a device cannot be
+    /// When the folder is missing or not writable, `path` is a folder or a read-only file, links lead in a circle, or a device cannot be
     /// opened.
     pub fn create(path: &Path) -> io::Result<Self> {
         let path = behind_links(path)?;
@@ -74,12 +76,17 @@ impl AtomicFile {
             }
             _ => cause,
         })?;
+        let old = fs::metadata(&path);
+        if old.as_ref().is_ok_and(|old| old.permissions().readonly()) {
+            let words = "it is there already, and read-only: give another name, or remove it";
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, words));
+        }
         let (temporary, pending) = Temporary::create(folder)?;
-        if let Ok(old) = fs::metadata(&path) {
+        if let Ok(old) = old {
             temporary.file().set_permissions(old.permissions())?;
         }
         let file = BufWriter::new(temporary.file().try_clone()?);
-        Ok(Self { target: Target::Replaced { file, temporary, path }, pending })
+        Ok(Self { target: Target::Replaced { file, behind: Behind::default(), temporary, path }, pending })
     }
 
     /// Writes what is buffered, makes the storage keep it, and puts the file in its place; where the system can do so
@@ -120,7 +127,8 @@ impl Target {
     fn store(self) -> io::Result<Option<(Temporary, PathBuf)>> {
         match self {
             Self::Direct(mut file) => file.flush().map(|()| None),
-            Self::Replaced { file, temporary, path } => {
+            Self::Replaced { file, mut behind, temporary, path } => {
+                behind.wait()?;
                 file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
                 Ok(Some((temporary, path)))
             }
@@ -147,7 +155,11 @@ impl AtomicFile {
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.target {
-            Target::Replaced { file, .. } => file.write(bytes),
+            Target::Replaced { file, behind, .. } => {
+                let count = file.write(bytes)?;
+                behind.written(file.get_ref(), count)?;
+                Ok(count)
+            }
             Target::Direct(file) => file.write(bytes),
         }
     }
@@ -251,6 +263,9 @@ mod tests {
 
         fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
         symlink("new", &link).unwrap();
+        fs::set_permissions(&path, Permissions::from_mode(0o440)).unwrap();
+        assert_eq!(write(&link, b"no").unwrap_err().kind(), io::ErrorKind::PermissionDenied);
+        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
         write(&link, b"2").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"2");

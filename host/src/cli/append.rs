@@ -6,7 +6,7 @@ use wavelift_host::codec::{self, CompressOptions, Label};
 
 use super::compress::{How, tell_of, values};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source_for, refuse_same_file};
+use super::input::{RawArgs, input_path, open_source_for, refuse_same_file};
 use super::progress::Bar;
 
 /// Add time steps to a compressed file
@@ -23,6 +23,7 @@ pub(crate) struct Args {
     /// Compressed file to add to
     pub(crate) file: PathBuf,
     /// Volume to add: of any format that wavelift knows, or raw samples with --extent and --type
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Name of the first step that is added [default: INPUT without folder and extension]
     #[arg(long, value_name = "NAME")]

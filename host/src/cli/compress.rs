@@ -11,8 +11,8 @@ use wavelift_kernel::Wavelet;
 use super::bound::{self, BoundArgs};
 use super::choice::{Levels, effort_names, parse_brick, parse_memory, parse_threads, wavelet_choices};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source_for, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
+use super::input::{RawArgs, input_path, open_source_for, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, output_path, print_json, refuse_standard_output, tell};
 use super::progress::Bar;
 
 /// Compress a volume without loss, or within an error bound
@@ -29,8 +29,10 @@ Examples:
   wavelift compress wind.nrrd wind.wlift --component-names u,v,w --memory 512MiB")]
 pub(crate) struct Args {
     /// Volume to compress: of any format that wavelift knows, or raw samples with --extent and --type
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Compressed file to write
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) how: How,

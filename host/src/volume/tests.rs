@@ -116,7 +116,7 @@ fn other_names_hide_no_format() {
         let (_folder, path) = file(name, b"ab");
         read(&path, None).unwrap_err().to_string()
     };
-    assert!(told("a.mgz").contains("mri_convert") && told("a.npz").contains("unzip"));
+    assert!(told("a.mgz").contains("mri_convert") && told("a.zip").contains("unpack"));
     assert!(told("a.bin").contains("neither the name nor the first bytes"));
 }
 
