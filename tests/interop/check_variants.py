@@ -299,6 +299,10 @@ def dicom(check, values):
     file.PixelData = (values[:3] % 251).astype(np.uint8).repeat(2).tobytes()
     file.save_as("halved.dcm", enforce_file_format=True)
     check.read("halved.dcm", pydicom.pixels.pixel_array("halved.dcm", raw=True))
+    check.convert("halved.dcm", "whole.dcm")
+    if pydicom.dcmread("whole.dcm").PhotometricInterpretation != "YBR_FULL":
+        raise SystemExit("whole.dcm: its colours are called others than they are")
+    check.read("whole.dcm", pydicom.pixels.pixel_array("halved.dcm", raw=True))
     mask = values[:, :, :23] > 900
     file = image_of(values[0, :, :23])
     file.NumberOfFrames, file.BitsAllocated, file.BitsStored, file.HighBit = len(mask), 1, 1, 0

@@ -117,6 +117,16 @@ impl Layout {
         u64::from(self.columns) * u64::from(self.rows) * u64::from(self.samples) * self.element.bytes() as u64
     }
 
+    /// What colours mean where it is something else than the file says: those of JPEG are decoded, and those that two
+    /// pixels share are given to both.
+    pub(super) const fn meaning(&self) -> Option<&'static str> {
+        match self.packing {
+            Packing::Jpeg | Packing::Jpeg2000 if self.samples == 3 => Some("RGB"),
+            _ if self.is_halved => Some("YBR_FULL"),
+            _ => None,
+        }
+    }
+
     /// Bytes that it is stored in, if it is not compressed.
     fn stored_bytes(&self) -> u64 {
         if self.is_halved { self.bytes() / 3 * 2 } else { self.bytes() }
