@@ -268,8 +268,9 @@ impl<'a> Compressor<'a> {
             for found in read_ahead(threads, supply, wanted) {
                 let (samples, values) = found?;
                 tell(progress, 0)?;
+                hasher.update(&values);
                 let whole = Block { values: &values, layout, origin: [0; 3], sides: [samples, 1, 1] };
-                look_through(&self.pool, whole, &mut surveys, &mut hasher);
+                look_through(&self.pool, whole, &mut surveys);
             }
             Ok::<(), CompressError>(())
         })?;
@@ -326,27 +327,18 @@ const LOOK_SAMPLES: u32 = 1 << 17;
 /// Bytes of memory that coding takes for a sample of a brick, about: as integers, in scratch, coded, and decoded again.
 const CODING_BYTES: u64 = 40;
 
-/// Adds the samples of a line to the surveys of their components, and its bytes to a checksum.
-fn look_through(pool: &Pool, line: Block<'_>, surveys: &mut [Survey], hasher: &mut crc32fast::Hasher) {
+/// Adds the samples of a line to the surveys of their components.
+fn look_through(pool: &Pool, line: Block<'_>, surveys: &mut [Survey]) {
     let starts = (0..line.sides[0]).step_by(LOOK_SAMPLES as usize);
     let parts = starts.flat_map(|start| (0..surveys.len()).map(move |component| (start, component)));
     let look = |(start, component): (u64, usize)| {
         let count = (line.sides[0] - start).min(LOOK_SAMPLES.into()) as u32;
         let mut next = surveys[component].next();
         next.add(&line.cut([start, 0, 0], [count, 1, 1], component as u32));
-        let mut hasher = crc32fast::Hasher::new();
-        if component == 0 {
-            let [first, last] =
-                [start, start + u64::from(count)].map(|at| (at * line.layout.sample()) as usize);
-            hasher.update(&line.values[first..last]);
-        }
-        (component, next, hasher)
+        (component, next)
     };
     let found = pool.map(parts.collect(), look);
-    for (component, next, part) in &found {
-        surveys[*component].append(next);
-        hasher.combine(part);
-    }
+    found.iter().for_each(|(component, next)| surveys[*component].append(next));
 }
 
 /// What there is to say before the bricks are coded, some of which the coding has to know as well.
