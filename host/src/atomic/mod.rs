@@ -1,6 +1,5 @@
 //! Output that appears whole or not at all.
 
-mod behind;
 mod folder;
 mod register;
 mod temporary;
@@ -10,7 +9,6 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use behind::Behind;
 pub use folder::AtomicFolder;
 use register::Pending;
 pub use register::abandon_all;
@@ -49,7 +47,7 @@ pub struct AtomicFile {
 
 #[derive(Debug)]
 enum Target {
-    Replaced { file: BufWriter<File>, behind: Behind, temporary: Temporary, path: PathBuf },
+    Replaced { file: BufWriter<File>, temporary: Temporary, path: PathBuf },
     Direct(BufWriter<File>),
 }
 
@@ -86,7 +84,7 @@ impl AtomicFile {
             temporary.file().set_permissions(old.permissions())?;
         }
         let file = BufWriter::new(temporary.file().try_clone()?);
-        Ok(Self { target: Target::Replaced { file, behind: Behind::default(), temporary, path }, pending })
+        Ok(Self { target: Target::Replaced { file, temporary, path }, pending })
     }
 
     /// Writes what is buffered, makes the storage keep it, and puts the file in its place; where the system can do so
@@ -127,8 +125,7 @@ impl Target {
     fn store(self) -> io::Result<Option<(Temporary, PathBuf)>> {
         match self {
             Self::Direct(mut file) => file.flush().map(|()| None),
-            Self::Replaced { file, mut behind, temporary, path } => {
-                behind.wait()?;
+            Self::Replaced { file, temporary, path } => {
                 file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
                 Ok(Some((temporary, path)))
             }
@@ -155,11 +152,7 @@ impl AtomicFile {
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.target {
-            Target::Replaced { file, behind, .. } => {
-                let count = file.write(bytes)?;
-                behind.written(file.get_ref(), count)?;
-                Ok(count)
-            }
+            Target::Replaced { file, .. } => file.write(bytes),
             Target::Direct(file) => file.write(bytes),
         }
     }
