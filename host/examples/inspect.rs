@@ -5,11 +5,10 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use wavelift_host::atomic::AtomicFile;
-use wavelift_host::codec::{self, CompressOptions, Container};
+use wavelift_host::codec::{self, CompressOptions, Container, compress_file};
 use wavelift_host::progress::ignore;
-use wavelift_host::volume::ElementType;
 use wavelift_host::volume::synthetic::{Kind, generate};
+use wavelift_host::volume::{ElementType, InMemory};
 
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
@@ -49,8 +48,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
 fn made_here(path: PathBuf) -> Result<PathBuf, Box<dyn Error>> {
     let volume = generate(Kind::Blobs, [48, 40, 32], ElementType::U16, 1);
     let options = CompressOptions { brick: Some([16; 3]), ..CompressOptions::default() };
-    let mut file = AtomicFile::create(&path)?;
-    codec::compress(&volume, &options, &mut file, &ignore)?;
-    file.commit()?;
+    let mut source = InMemory::new(&volume).ok_or("as many samples as its extent says")?;
+    compress_file(&path, &mut source, &options, &ignore)?;
     Ok(path)
 }

@@ -11,7 +11,7 @@ use ndarray::{Array3, Array5, ArrayView3, ArrayView5, ArrayViewMut3, Axis};
 
 use crate::codec::{Container, ContainerError, Part};
 use crate::progress::Progress;
-use crate::volume::{ElementType, Fault, FileFormat, Header, InMemory, Metadata, Sample, Volume};
+use crate::volume::{ElementType, Fault, FileFormat, Geometry, Header, InMemory, Metadata, Sample, Volume};
 
 /// Why samples cannot be in an array.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +33,9 @@ pub enum ArrayError {
         /// Shape of the array.
         found: Vec<usize>,
     },
+    /// An array without values.
+    #[error("an array without values: there is nothing to compress or to write")]
+    Empty,
     /// The samples could not be read.
     #[error(transparent)]
     Container(#[from] ContainerError),
@@ -42,7 +45,7 @@ impl ArrayError {
     /// Whose fault it is.
     pub fn kind(&self) -> Fault {
         match self {
-            Self::WrongType { .. } | Self::WrongShape { .. } => Fault::Usage,
+            Self::WrongType { .. } | Self::WrongShape { .. } | Self::Empty => Fault::Usage,
             Self::Container(error) => error.kind(),
         }
     }
@@ -187,19 +190,25 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// A volume of the shape `[z, y, x]`. `None` if it is empty along an axis.
+    /// A volume of the shape `[z, y, x]`.
+    ///
+    /// # Errors
+    /// [`ArrayError::Empty`].
     ///
     /// Cost: a copy if it does not lie in one piece, in C order.
-    pub fn of_array<T: Sample>(array: ArrayView3<'a, T>) -> Option<Self> {
+    pub fn of_array<T: Sample>(array: ArrayView3<'a, T>) -> Result<Self, ArrayError> {
         Self::of_array5(array.insert_axis(Axis(0)).insert_axis(Axis(4)))
     }
 
-    /// Time steps of a volume of several components, of the shape `[step, z, y, x, component]`. `None` if it is empty along an
-    /// axis.
+    /// Time steps of a volume of several components, of the shape `[step, z, y, x, component]`.
+    ///
+    /// # Errors
+    /// [`ArrayError`]: no values, or more than 2^32 - 1 components.
     ///
     /// Cost: as [`Samples::of_array`].
-    pub fn of_array5<T: Sample>(array: ArrayView5<'a, T>) -> Option<Self> {
-        let (steps, z, y, x, components) = array.dim();
+    pub fn of_array5<T: Sample>(array: ArrayView5<'a, T>) -> Result<Self, ArrayError> {
+        let shape = array.dim();
+        let (steps, z, y, x, components) = shape;
         let [x, y, z, steps] = [x, y, z, steps].map(|count| count as u64);
         let bytes = match array.to_slice() {
             Some(values) => little_endian(values),
@@ -207,18 +216,34 @@ impl<'a> Samples<'a> {
         };
         let metadata = Metadata::plain(3, FileFormat::Npy);
         let mut header = Header::scalar([x, y, z], T::ELEMENT, metadata);
-        (header.components, header.steps) = (u32::try_from(components).ok()?, steps);
-        (!bytes.is_empty()).then_some(Self { header, bytes })
+        let few = u32::try_from(components);
+        let most = || wrong_shape(&[u32::MAX as usize], &[components]);
+        (header.components, header.steps) = (few.map_err(|_| most())?, steps);
+        if bytes.is_empty() { Err(ArrayError::Empty) } else { Ok(Self { header, bytes }) }
     }
 
-    /// A volume of `extent` samples along x, y, z, x fastest. `None` if there are not as many, or none.
-    pub fn of_slice<T: Sample>(extent: [u64; 3], values: &'a [T]) -> Option<Self> {
+    /// A volume of `extent` samples along x, y, z, x fastest.
+    ///
+    /// # Errors
+    /// [`ArrayError`]: no values, or another number than the extent says.
+    pub fn of_slice<T: Sample>(extent: [u64; 3], values: &'a [T]) -> Result<Self, ArrayError> {
         let header = Header::scalar(extent, T::ELEMENT, Metadata::plain(3, FileFormat::Npy));
         let bytes = little_endian(values);
-        (header.bytes() == Some(bytes.len() as u64) && !bytes.is_empty()).then_some(Self { header, bytes })
+        if header.bytes() != Some(bytes.len() as u64) {
+            let [x, y, z] = extent.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+            return Err(wrong_shape(&[z, y, x], &[values.len()]));
+        }
+        if bytes.is_empty() { Err(ArrayError::Empty) } else { Ok(Self { header, bytes }) }
     }
 
-    /// The same with what else there is to say, such as a spacing.
+    /// The same with the distances between samples along x, y and z.
+    #[must_use]
+    pub fn with_spacing(mut self, spacing: [f64; 3]) -> Self {
+        self.header.metadata.set_geometry(&Geometry::along_axes(spacing, [0.0; 3]));
+        self
+    }
+
+    /// The same with all that there is to say beside extent and type, such as what another file said of its samples.
     #[must_use]
     pub fn with_metadata(mut self, metadata: Metadata) -> Self {
         self.header.metadata = metadata;
@@ -230,7 +255,7 @@ impl<'a> Samples<'a> {
         &self.header
     }
 
-    /// A source of the values.
+    /// A source of the values, to be compressed or copied.
     ///
     /// # Panics
     /// Never: there are as many values as the header says.
@@ -238,10 +263,14 @@ impl<'a> Samples<'a> {
         InMemory::of(self.header.clone(), &self.bytes).expect("as many values as the header says")
     }
 
-    /// A copy of the values as a volume. `None` for several steps or components.
-    pub fn to_volume(&self) -> Option<Volume> {
+    /// A copy of the values as a volume.
+    ///
+    /// # Errors
+    /// [`ArrayError`]: several steps or components.
+    pub fn to_volume(&self) -> Result<Volume, ArrayError> {
         let Header { extent, element, metadata, .. } = self.header.clone();
-        self.header.is_scalar().then(|| Volume { extent, element, samples: self.bytes.to_vec(), metadata })
+        volume_shape(&self.header)?;
+        Ok(Volume { extent, element, samples: self.bytes.to_vec(), metadata })
     }
 }
 

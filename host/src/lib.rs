@@ -25,4 +25,5 @@ pub mod transform;
 pub mod volume;
 pub mod wrap;
 
+pub use ndarray;
 pub use wavelift_kernel as kernel;

@@ -8,6 +8,8 @@ mod convert;
 mod inspect;
 #[path = "../examples/picture.rs"]
 mod picture;
+#[path = "../examples/simulation.rs"]
+mod simulation;
 
 #[test]
 fn an_array_is_stored_and_read() {
@@ -27,4 +29,9 @@ fn a_file_is_converted() {
 #[test]
 fn pictures_are_drawn() {
     picture::main().unwrap();
+}
+
+#[test]
+fn time_steps_are_pushed() {
+    simulation::main().unwrap();
 }

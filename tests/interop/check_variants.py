@@ -19,7 +19,8 @@ import tifffile
 import zarr
 from pydicom.dataset import Dataset, FileMetaDataset
 from pydicom.encaps import encapsulate
-from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, JPEG2000Lossless, JPEGLSLossless
+from pydicom.uid import CTImageStorage, DeflatedExplicitVRLittleEndian, ExplicitVRLittleEndian
+from pydicom.uid import JPEG2000Lossless, JPEGLSLossless
 
 
 def arguments():
@@ -98,8 +99,17 @@ def arrays(check, values):
     check.read("a.npy", np.stack([values, np.ones_like(values)], -1).astype(np.float32))
     np.save("a.npy", np.zeros(3, dtype=[("a", "u1"), ("b", "f4")]))
     check.refuse("a.npy", "records")
-    np.savez("a.npz", values)
-    check.refuse("a.npz", "unzip")
+    for save in [np.savez, np.savez_compressed]:
+        save("a.npz", values=values)
+        check.read("a.npz", values)
+        save("a.npz", first=values, second=values + 1)
+        check.read("a.npz#second", values + 1)
+        check.refuse("a.npz", '"first", "second"')
+        check.refuse("a.npz#third", '"first", "second"')
+    packed = bytearray(pathlib.Path("a.npz").read_bytes())
+    packed[200] ^= 1
+    pathlib.Path("damaged.npz").write_bytes(packed)
+    check.refuse("damaged.npz#first", "no archive of arrays that can be read")
 
 
 def tiffs(check, values):
@@ -137,6 +147,25 @@ def tiffs(check, values):
         with tifffile.TiffFile("again.ome.tif") as file:
             order = file.series[0].axes
             check.same(f"{axes} as {order}", file.asarray().transpose([order.index(axis) for axis in "TZYXC"]), expected)
+
+
+def blocks(check, values):
+    """A VTK image in blocks of LZ4, as ParaView writes it."""
+    z, y, x = values.shape
+    data = values.tobytes()
+    pieces = [data[at:at + 5000] for at in range(0, len(data), 5000)]
+    packed = [imagecodecs.lz4_encode(piece, header=False) for piece in pieces]
+    table = struct.pack(f"<{3 + len(packed)}Q", len(packed), 5000, len(pieces[-1]) % 5000, *map(len, packed))
+    extent = f"0 {x - 1} 0 {y - 1} 0 {z - 1}"
+    head = f'''<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64" compressor="vtkLZ4DataCompressor">
+    <ImageData WholeExtent="{extent}" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="{extent}"><PointData Scalars="v">
+    <DataArray type="UInt16" Name="v" format="appended" offset="0"/></PointData></Piece></ImageData>
+    <AppendedData encoding="raw">_'''
+    file = head.encode() + table + b"".join(packed) + b"</AppendedData></VTKFile>"
+    pathlib.Path("lz4.vti").write_bytes(file)
+    check.read("lz4.vti", values)
+    pathlib.Path("cut.vti").write_bytes(file[:-2000])
+    check.refuse("cut.vti", "damaged or cut short")
 
 
 def spacings(check, values):
@@ -248,6 +277,32 @@ def dicom(check, values):
             file.file_meta.TransferSyntaxUID = syntax
             file.save_as("packed.dcm", enforce_file_format=True)
             check.refuse("packed.dcm", message) if message else check.read("packed.dcm", array)
+    file = image_of(signed)
+    file.NumberOfFrames = len(signed)
+    file.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
+    file.save_as("deflated.dcm", enforce_file_format=True)
+    check.read("deflated.dcm", signed)
+    damaged = pathlib.Path("deflated.dcm").read_bytes()
+    pathlib.Path("cut.dcm").write_bytes(damaged[:len(damaged) // 2])
+    check.refuse("cut.dcm", "damaged")
+    folder = pathlib.Path("deflated")
+    folder.mkdir(exist_ok=True)
+    for z, plane in enumerate(signed):
+        file = image_of(plane)
+        file.ImagePositionPatient, file.ImageOrientationPatient = [0, 0, -z], [1, 0, 0, 0, 1, 0]
+        file.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
+        file.save_as(folder / f"{z}", enforce_file_format=True)
+    check.read("deflated", signed[::-1])
+    file = image_of(values[0])
+    file.SamplesPerPixel, file.PhotometricInterpretation, file.PlanarConfiguration = 3, "YBR_FULL_422", 0
+    file.BitsAllocated, file.BitsStored, file.HighBit, file.NumberOfFrames = 8, 8, 7, 3
+    file.PixelData = (values[:3] % 251).astype(np.uint8).repeat(2).tobytes()
+    file.save_as("halved.dcm", enforce_file_format=True)
+    check.read("halved.dcm", pydicom.pixels.pixel_array("halved.dcm", raw=True))
+    check.convert("halved.dcm", "whole.dcm")
+    if pydicom.dcmread("whole.dcm").PhotometricInterpretation != "YBR_FULL":
+        raise SystemExit("whole.dcm: its colours are called others than they are")
+    check.read("whole.dcm", pydicom.pixels.pixel_array("halved.dcm", raw=True))
     mask = values[:, :, :23] > 900
     file = image_of(values[0, :, :23])
     file.NumberOfFrames, file.BitsAllocated, file.BitsStored, file.HighBit = len(mask), 1, 1, 0
@@ -273,7 +328,7 @@ def main():
     given = arguments()
     check = Check(given.wavelift)
     values = volume(given.data)
-    for variants in [raw, arrays, tiffs, spacings, medical, dicom]:
+    for variants in [raw, arrays, tiffs, blocks, spacings, medical, dicom]:
         variants(check, values)
     print(f"variants: {check.count} files right")
 

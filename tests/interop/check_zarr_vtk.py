@@ -15,7 +15,7 @@ import sys
 import meshio
 import numpy as np
 import zarr
-from numcodecs import Blosc, GZip, Zlib, Zstd
+from numcodecs import BZ2, Blosc, GZip, Zlib, Zstd
 
 try:
     import vtk
@@ -75,7 +75,7 @@ def check_zarr_arrays():
             equal(f"written, {dtype}", written[:], array)
             if dict(written.attrs) != {"note": [1, 0.1]} or written.metadata.dimension_names != ("z", "y", "x"):
                 sys.exit(f"written: attributes {dict(written.attrs)}, axes {written.metadata.dimension_names}")
-    old = {"blosc": Blosc(cname="zstd"), "zlib": Zlib(), "gzip": GZip(), "zstd": Zstd(), "none": None}
+    old = {"blosc": Blosc(cname="zstd"), "zlib": Zlib(), "gzip": GZip(), "zstd": Zstd(), "bz2": BZ2(), "none": None}
     for (name, codec), order, layout in itertools.product(old.items(), "<>", "CF"):
         array = volume(f"{order}u2")
         made = zarr.create_array("in.zarr", shape=array.shape, dtype=array.dtype, chunks=(2, 3, 4), zarr_format=2,
@@ -106,6 +106,16 @@ def check_ome():
     if found["axes"] != axes or found["name"] != "cells":
         sys.exit(f"OME-Zarr: axes {found['axes']}")
     close("OME-Zarr: scale", found["datasets"][0]["coordinateTransformations"][0]["scale"], [2.5, 1, 3, 0.1, 0.2])
+    # Time goes on into other formats and back.
+    convert("cells.ome.zarr", "cells.nrrd")
+    head = open("cells.nrrd", "rb").read().split(b"\n\n")[0].decode().split("\n")
+    if "spacings: nan nan nan nan 2.5" not in head or 'units: "" "" "" "" "s"' not in head:
+        sys.exit(f"OME-Zarr as NRRD: {head}")
+    convert("cells.nrrd", "again.ome.zarr")
+    found = zarr.open_group("again.ome.zarr", mode="r").attrs["ome"]["multiscales"][0]
+    close("OME-Zarr again: scale", found["datasets"][0]["coordinateTransformations"][0]["scale"], [2.5, 1, 3, 0.1, 0.2])
+    if found["axes"] != axes:
+        sys.exit(f"OME-Zarr again: axes {found['axes']}")
     convert("cells.ome.zarr/1", "level.zarr")
     # A plain array has its components last.
     equal("level 1", zarr.open_array("level.zarr")[:], np.moveaxis(array[..., ::2, ::2], 1, -1))

@@ -84,7 +84,7 @@ fn every_file_of_the_collection_comes_back() {
     assert!(!files.is_empty(), "the collection holds nothing");
     for ((name, layout), choice) in files.iter().zip(choices.cycle()) {
         let whole =
-            volume::read(&collection.join(name), Some(layout)).unwrap_or_else(|error| panic!("{error}"));
+            volume::read(collection.join(name), Some(layout)).unwrap_or_else(|error| panic!("{error}"));
         let original = middle(&whole);
         let told = round_trip(&original, choice, &scratch.path().join("a.wlift"));
         println!("{name} {:?}: {told} bits a sample", original.extent);
@@ -138,7 +138,7 @@ fn slices_that_come_row_by_row_take_no_more() {
     };
     let (mut grown, mut untrained) = (Vec::new(), Vec::new());
     for (name, layout) in files(&manifest) {
-        let whole = volume::read(&folder.join(&name), Some(&layout)).expect("it can be read");
+        let whole = volume::read(folder.join(&name), Some(&layout)).expect("it can be read");
         let Some((sample_type, [width, height], samples)) = middle_slice(&whole) else { continue };
         for wavelet in Wavelet::ALL {
             let extent = Extent::slice(width, height).expect("an extent");

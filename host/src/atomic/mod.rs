@@ -56,7 +56,7 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// When the folder is missing or not writable, `path` is a folder, links lead in a circle, or a device cannot be
+    /// When the folder is missing or not writable, `path` is a folder or a read-only file, links lead in a circle, or a device cannot be
     /// opened.
     pub fn create(path: &Path) -> io::Result<Self> {
         let path = behind_links(path)?;
@@ -74,8 +74,13 @@ impl AtomicFile {
             }
             _ => cause,
         })?;
+        let old = fs::metadata(&path);
+        if old.as_ref().is_ok_and(|old| old.permissions().readonly()) {
+            let words = "it is there already, and read-only: give another name, or remove it";
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, words));
+        }
         let (temporary, pending) = Temporary::create(folder)?;
-        if let Ok(old) = fs::metadata(&path) {
+        if let Ok(old) = old {
             temporary.file().set_permissions(old.permissions())?;
         }
         let file = BufWriter::new(temporary.file().try_clone()?);
@@ -251,6 +256,9 @@ mod tests {
 
         fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
         symlink("new", &link).unwrap();
+        fs::set_permissions(&path, Permissions::from_mode(0o440)).unwrap();
+        assert_eq!(write(&link, b"no").unwrap_err().kind(), io::ErrorKind::PermissionDenied);
+        fs::set_permissions(&path, Permissions::from_mode(0o640)).unwrap();
         write(&link, b"2").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"2");

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use wavelift_host::codec::{self, CompressOptions, Container, Label};
+use wavelift_host::codec::{self, CompressOptions, Label};
 
-use super::compress::{How, failure, tell_of, values};
+use super::compress::{How, tell_of, values};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source_for, refuse_same_file};
-use super::output::write_atomically;
+use super::input::{RawArgs, input_path, open_source_for, refuse_same_file};
 use super::progress::Bar;
 
 /// Add time steps to a compressed file
@@ -24,6 +23,7 @@ pub(crate) struct Args {
     /// Compressed file to add to
     pub(crate) file: PathBuf,
     /// Volume to add: of any format that wavelift knows, or raw samples with --extent and --type
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Name of the first step that is added [default: INPUT without folder and extension]
     #[arg(long, value_name = "NAME")]
@@ -46,17 +46,13 @@ pub(crate) struct Args {
 /// A [`Failure`]; FILE is what it was then.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     refuse_same_file(&args.input, &args.file)?;
-    let container = Container::open(&args.file).map_err(|error| Failure::of_container(&args.file, &error))?;
     let mut source = open_source_for(&args.input, args.raw.layout(None)?.as_ref(), &args.file)?;
     let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
     let count = |values| bar.count(values);
     let stem = || args.input.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let label = Label { name: args.name.clone().or_else(stem), time: args.time };
     let options = CompressOptions { labels: vec![label], ..args.how.options() };
-    let report = write_atomically(&args.file, |out| {
-        codec::append(&container, source.as_mut(), &options, out, &count)
-            .map_err(|error| failure(&args.file, &error))
-    })?;
+    let report = codec::append_file(&args.file, source.as_mut(), &options, &count)?;
     drop(bar);
     tell_of(&args.input, &args.file, &report, args.json)
 }

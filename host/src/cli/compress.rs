@@ -4,15 +4,15 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use wavelift_host::codec::{self, Choice, CompressError, CompressOptions, Effort, Report, Step, Summary};
+use wavelift_host::codec::{self, Choice, CompressOptions, Effort, Report, Step, Summary};
 use wavelift_host::volume::{ElementType, Fault, FileFormat, Header};
 use wavelift_kernel::Wavelet;
 
 use super::bound::{self, BoundArgs};
 use super::choice::{Levels, effort_names, parse_brick, parse_memory, parse_threads, wavelet_choices};
 use super::exit::Failure;
-use super::input::{RawArgs, open_source_for, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell, write_atomically};
+use super::input::{RawArgs, input_path, open_source_for, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, output_path, print_json, refuse_standard_output, tell};
 use super::progress::Bar;
 
 /// Compress a volume without loss, or within an error bound
@@ -29,8 +29,10 @@ Examples:
   wavelift compress wind.nrrd wind.wlift --component-names u,v,w --memory 512MiB")]
 pub(crate) struct Args {
     /// Volume to compress: of any format that wavelift knows, or raw samples with --extent and --type
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Compressed file to write
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) how: How,
@@ -102,10 +104,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let bar = Bar::new("compressing", values(source.header()), source.header().element.bytes());
     let count = |values| bar.count(values);
     let options = CompressOptions { names: args.component_names.clone(), ..args.how.options() };
-    let report = write_atomically(&args.output, |out| {
-        codec::compress_stream(source.as_mut(), &options, out, &count)
-            .map_err(|error| failure(&args.output, &error))
-    })?;
+    let report = codec::compress_file(&args.output, source.as_mut(), &options, &count)?;
     drop(bar);
     tell_of(&args.input, &args.output, &report, args.json)
 }
@@ -126,14 +125,6 @@ fn refuse_other_format(output: &Path) -> Result<(), Failure> {
 /// How many values a data set has.
 pub(crate) fn values(header: &Header) -> u64 {
     header.bytes().map_or(0, |bytes| bytes / header.element.bytes() as u64)
-}
-
-/// Why a file could not be written.
-pub(crate) fn failure(output: &Path, error: &CompressError) -> Failure {
-    match error {
-        CompressError::Io(cause) => Failure::cannot_write(output, cause),
-        fault => Failure::new(fault.kind(), fault),
-    }
 }
 
 /// Tells what came of it.

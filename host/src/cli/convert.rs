@@ -7,8 +7,8 @@ use wavelift_host::codec::Container;
 use wavelift_host::volume::{self, ByteOrder, Created, Fault, FileFormat, Header, WriteOptions};
 
 use super::exit::Failure;
-use super::input::{RawArgs, byte_order_names, open_source_for, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
+use super::input::{RawArgs, byte_order_names, input_path, open_source_for, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, output_path, print_json, refuse_standard_output, say_losses, tell};
 use super::progress::Bar;
 
 /// Write a volume in another format, without compression
@@ -22,8 +22,10 @@ Examples:
   wavelift convert engine.raw engine.nrrd --extent 256x256x128 --type u8 --gzip")]
 pub(crate) struct Args {
     /// File to read: of any format that wavelift knows, or raw samples with --extent and --type
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// File to write: its extension says the format; raw samples for an unknown one
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     /// Order of the bytes of a sample in OUTPUT [default: as in INPUT]
     #[arg(long, value_name = "ORDER", value_parser = byte_order_names())]

@@ -15,8 +15,8 @@ use super::choice::{parse_memory, parse_threads};
 use super::convert::{self, in_words};
 use super::exit::Failure;
 use super::info::QUICK;
-use super::input::{byte_order_names, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, say_losses, tell};
+use super::input::{byte_order_names, input_path, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, output_path, print_json, refuse_standard_output, say_losses, tell};
 use super::progress::Bar;
 use super::repair::{self, say_damage, say_lost};
 
@@ -34,8 +34,10 @@ Examples:
   wavelift decompress damaged.wlift rest.nrrd --salvage --fill 0")]
 pub(crate) struct Args {
     /// Compressed file
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// File to write: its extension says the format, .nhdr has its samples in a file beside it; raw samples for an unknown one
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     /// Resolution: 0 is full, each level more has half the samples along each axis
     #[arg(long, value_name = "L", default_value_t = 0)]
@@ -136,7 +138,7 @@ fn failure(input: &Path, error: ContainerError) -> Failure {
         ContainerError::Write(error) => error.into(),
         other if other.is_damage() => {
             let advice = "`--salvage` writes what is whole";
-            Failure::at(input, Fault::Data, format_args!("{other}: {advice}"))
+            Failure::at(input, Fault::Data, format_args!("{}: {advice}", other.cause()))
         }
         other => Failure::of_container(input, &other),
     }

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
 
-use wavelift_host::codec::ContainerError;
+use wavelift_host::codec::{CompressError, ContainerError};
 use wavelift_host::volume::{CopyError, Fault, FileFormat, ReadError, WriteError, in_words};
 
 use super::output::say;
@@ -31,6 +31,7 @@ impl Failure {
 
     /// A failure of a compressed file.
     pub(crate) fn of_container(path: &Path, error: &ContainerError) -> Self {
+        let error = error.cause();
         match error {
             ContainerError::Io(cause) if cause.kind() == ErrorKind::NotSeekable => Self::at(
                 path,
@@ -80,6 +81,17 @@ impl From<ReadError> for Failure {
 impl From<WriteError> for Failure {
     fn from(error: WriteError) -> Self {
         Self::new(error.kind(), error)
+    }
+}
+
+impl From<CompressError> for Failure {
+    fn from(error: CompressError) -> Self {
+        match error {
+            CompressError::Container(ContainerError::Open { path, cause }) => {
+                Self::of_container(&path, &cause)
+            }
+            other => Self::new(other.kind(), other),
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use wavelift_host::codec::Container;
 use wavelift_host::volume::{
@@ -165,6 +165,11 @@ pub(crate) fn refuse_overwriting(files: &[PathBuf], output: &Path) -> Result<(),
 
 fn usage(message: &str) -> Failure {
     Failure::new(Fault::Usage, message)
+}
+
+/// Takes a path; `-` is standard input, and `./-` a file of that name.
+pub(crate) fn input_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| if path == Path::new("-") { "/dev/stdin".into() } else { path })
 }
 
 /// Takes the name of a sample type.

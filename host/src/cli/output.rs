@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::io::{self, ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use wavelift_host::atomic::AtomicFile;
 use wavelift_host::volume::{Fault, FileFormat, in_words};
 
@@ -62,6 +63,11 @@ pub(crate) fn write_atomically<T>(
     let filled = fill(&mut file)?;
     file.commit().map_err(|cause| Failure::cannot_write(path, &cause))?;
     Ok(filled)
+}
+
+/// Takes a path; `-` is standard output, and `./-` a file of that name.
+pub(crate) fn output_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| if path == Path::new("-") { "/dev/stdout".into() } else { path })
 }
 
 /// Names of standard output as a file.

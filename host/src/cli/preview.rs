@@ -1,17 +1,17 @@
 //! `wavelift preview`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use wavelift_host::codec::{Container, ContainerError};
 use wavelift_host::preview::{self, Axis, Depth, Picture, Select, Shown, View, Window};
-use wavelift_host::volume::Fault;
+use wavelift_host::volume::{Fault, FileFormat};
 
 use super::choice::parse_threads;
 use super::exit::Failure;
-use super::input::{RawArgs, open_source_for, refuse_same_file};
-use super::output::{JSON_AND_OUTPUT, print_json, refuse_standard_output, tell};
+use super::input::{RawArgs, input_path, open_source_for, refuse_same_file};
+use super::output::{JSON_AND_OUTPUT, output_path, print_json, refuse_standard_output, tell};
 use super::progress::Bar;
 
 /// Draw a slice of a volume, or the largest values along an axis, as a PNG picture
@@ -27,8 +27,10 @@ Examples:
   wavelift preview angio.nrrd vessels.png --mip z --window 0:800")]
 pub(crate) struct Args {
     /// Compressed file, or a volume in any other format
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Picture to write
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     /// Slice along an axis, at a place that is counted at full resolution [default: the middle one along z]
     #[arg(long, value_name = "AXIS[=N]", value_parser = parse_slice, conflicts_with = "mip")]
@@ -78,6 +80,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         refuse_standard_output(&args.output, JSON_AND_OUTPUT)?;
     }
+    refuse_other_picture(&args.output)?;
     let view = match (args.slice, args.mip) {
         (Some((axis, at)), _) => View::Slice(axis, at),
         (None, Some(axis)) => View::Maximum(axis),
@@ -149,6 +152,17 @@ fn parse_slice(text: &str) -> Result<(Axis, Option<u64>), String> {
     let axis = axis.parse().map_err(|error: preview::UnknownAxis| error.to_string())?;
     let at = at.map(str::parse).transpose().map_err(|_| "give a slice as z=40, the first is 0".to_owned())?;
     Ok((axis, at))
+}
+
+/// Refuses a name that promises another format than PNG.
+fn refuse_other_picture(output: &Path) -> Result<(), Failure> {
+    const OTHERS: [&str; 6] = ["jpg", "jpeg", "bmp", "gif", "webp", "svg"];
+    let extension = output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let is_known = !matches!(FileFormat::of_path(output), FileFormat::Raw | FileFormat::Png);
+    if !is_known && !OTHERS.contains(&extension.as_str()) {
+        return Ok(());
+    }
+    Err(Failure::at(output, Fault::Usage, "pictures are written as PNG: name it .png"))
 }
 
 fn parse_depth(text: &str) -> Result<Depth, String> {

@@ -15,7 +15,7 @@ use wavelift_host::volume::{
 use super::choice::{parse_memory, parse_threads};
 use super::convert::in_words;
 use super::exit::Failure;
-use super::input::{RawArgs, open_source};
+use super::input::{RawArgs, input_path, open_source};
 use super::output::{print, print_json, say};
 use super::progress::Bar;
 
@@ -36,6 +36,7 @@ pub(crate) struct Args {
     pub(crate) input: PathBuf,
     /// Volume that was compressed: of any format that wavelift knows, or raw samples, which are taken to lie as the compressed file
     /// says unless --extent, --type or --byte-order say otherwise
+    #[arg(value_parser = input_path())]
     pub(crate) original: Option<PathBuf>,
     /// Threads to work on [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse_threads)]
@@ -66,7 +67,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let findings = match Container::open(&args.input) {
         Ok(container) => examine(args, &container)?,
         Err(error) if error.kind() == Fault::Data => {
-            Findings { damaged: vec![error.to_string()], ..Findings::default() }
+            Findings { damaged: vec![error.cause().to_string()], ..Findings::default() }
         }
         Err(error) => return Err(Failure::of_container(&args.input, &error)),
     };

@@ -7,7 +7,7 @@ use super::ahead::{BUFFERS, read_ahead};
 use super::brick::Coding;
 use super::content::{Channel, Head, Step, Summary};
 use super::encode::Job;
-use super::supply::{Block, Layout, Supply};
+use super::supply::{Block, Gathered, Layout, Supply};
 use super::survey::Survey;
 use super::trial::Trial;
 use super::writer::Writer;
@@ -130,8 +130,11 @@ pub fn append(
 }
 
 /// What is the same for every time step.
-fn head(header: &Header, options: &CompressOptions) -> Result<Head, CompressError> {
+pub(super) fn head(header: &Header, options: &CompressOptions) -> Result<Head, CompressError> {
     let (names, components) = (options.names.clone(), header.components);
+    if header.step_bytes().is_none_or(|bytes| bytes == 0) {
+        return Err(CompressError::Extent { extent: header.extent, components });
+    }
     if !names.is_empty() && names.len() as u64 != u64::from(components) {
         return Err(CompressError::Names { names: names.len(), components });
     }
@@ -154,15 +157,15 @@ pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), Compress
 }
 
 /// What is the same for all steps that are compressed.
-struct Compressor<'a> {
-    head: Head,
+pub(super) struct Compressor<'a> {
+    pub(super) head: Head,
     options: &'a CompressOptions,
     pool: Pool,
     memory: u64,
 }
 
 impl<'a> Compressor<'a> {
-    fn new(head: Head, options: &'a CompressOptions) -> Result<Self, CompressError> {
+    pub(super) fn new(head: Head, options: &'a CompressOptions) -> Result<Self, CompressError> {
         let pool = Pool::new(options.threads)?;
         let memory = options.memory.unwrap_or_else(|| memory::available() / 2);
         Ok(Self { head, options, pool, memory })
@@ -179,19 +182,27 @@ impl<'a> Compressor<'a> {
         let memory = self.memory - source.hold_at_most(self.memory / 2).min(self.memory);
         let compressor = Compressor { memory, ..self };
         let mut steps = Vec::new();
-        for (number, label) in (0..header.steps).zip(compressor.labels()) {
+        for number in 0..header.steps {
+            let label = compressor.label(steps.len());
             let mut supply = Supply::new(source, number, memory / 2)?;
             steps.push(compressor.step(&mut supply, first + number, label, &mut writer, progress)?);
         }
         let summaries = writer.summaries()[first as usize..].to_vec();
-        let container_bytes = writer.finish()?;
+        let (container_bytes, _) = writer.finish()?;
         let sample_bytes = header.bytes().unwrap_or(u64::MAX);
         Ok(Report { sample_bytes, container_bytes, head: compressor.head, steps, summaries })
     }
 
-    /// What the steps are called.
-    fn labels(&self) -> impl Iterator<Item = Label> {
-        self.options.labels.iter().cloned().chain(std::iter::repeat_with(Label::default))
+    /// What a step is called, the first that is compressed being 0.
+    pub(super) fn label(&self, step: usize) -> Label {
+        self.options.labels.get(step).cloned().unwrap_or_default()
+    }
+
+    /// Room for the values of a step that do not come from a source.
+    pub(super) fn room(&self) -> Result<Gathered, CompressError> {
+        let layout = self.layout();
+        let bytes = layout.extent.into_iter().fold(layout.sample(), u64::saturating_mul);
+        Gathered::new(bytes, self.memory / 2)
     }
 
     fn layout(&self) -> Layout {
@@ -200,7 +211,7 @@ impl<'a> Compressor<'a> {
     }
 
     /// Compresses one time step.
-    fn step<W: Write>(
+    pub(super) fn step<W: Write>(
         &self,
         supply: &mut Supply<'_>,
         number: u64,

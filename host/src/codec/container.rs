@@ -84,15 +84,19 @@ impl Container {
     /// Opens a container: reads its two ends.
     ///
     /// # Errors
-    /// [`ContainerError`], for a file that is not a container, or not a whole one.
-    pub fn open(path: &Path) -> Result<Self, ContainerError> {
-        Self::new(Box::new(FileAt::open(path)?))
+    /// [`ContainerError::Open`], for a file that cannot be read, is no container, or not a whole one.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, ContainerError> {
+        let path = path.as_ref();
+        let opened = FileAt::open(path).map_err(ContainerError::from);
+        opened
+            .and_then(|file| Self::new(Box::new(file)))
+            .map_err(|cause| ContainerError::Open { path: path.to_owned(), cause: Box::new(cause) })
     }
 
     /// As [`Container::open`], for bytes anywhere.
     ///
     /// # Errors
-    /// As [`Container::open`].
+    /// [`ContainerError`], for bytes that are no container, or not a whole one.
     pub fn new(source: Box<dyn ReadAt>) -> Result<Self, ContainerError> {
         check_start(&*source)?;
         let (index, end) = read_index(&*source)?;
@@ -127,7 +131,7 @@ impl Container {
     }
 
     /// Whether a file begins like a container.
-    pub fn is_container(path: &Path) -> bool {
+    pub fn is_container(path: impl AsRef<Path>) -> bool {
         let mut magic = [0; MAGIC.len()];
         File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
     }

@@ -1,11 +1,12 @@
 //! What can go wrong with a container, and whose fault it is.
 
 use std::io;
+use std::path::PathBuf;
 
 use super::brick::Unencodable;
 use super::{Brick, Place};
 use crate::progress::Stopped;
-use crate::volume::{Fault, ReadError, WriteError, in_words};
+use crate::volume::{ElementType, Fault, ReadError, WriteError, in_words};
 
 /// Why a volume could not be compressed.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +15,17 @@ pub enum CompressError {
     /// A brick side is 0, or the brick too large.
     #[error("bricks of {}x{}x{} samples are not possible: give --brick sides of at least 1 with at most 2^27 samples", .0[0], .0[1], .0[2])]
     BrickSides([u32; 3]),
+    /// A data set without values, or with more than can be counted.
+    #[error(
+        "a volume of {}x{}x{} samples of {components} components has no values, or too many: each count is at least 1",
+        extent[0], extent[1], extent[2]
+    )]
+    Extent {
+        /// Samples along x, y and z.
+        extent: [u64; 3],
+        /// Values of a sample.
+        components: u32,
+    },
     /// More levels than a brick allows.
     #[error("bricks of {}x{}x{} samples allow at most {max} levels", sides[0], sides[1], sides[2])]
     TooManyLevels {
@@ -68,8 +80,32 @@ pub enum CompressError {
     #[error(transparent)]
     Stopped(#[from] Stopped),
     /// Writing failed.
-    #[error("cannot write: {0}")]
+    #[error("cannot write: {}", in_words(.0))]
     Io(#[from] io::Error),
+    /// The compressed file could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Values of another type than was said.
+    #[error("the values are {given}, not {expected} as was said")]
+    WrongType {
+        /// Type of the header.
+        expected: ElementType,
+        /// Type of the values.
+        given: ElementType,
+    },
+    /// The last time step lacks values, or there is none.
+    #[error(
+        "the last time step has {found} bytes of values where extent, components and type make {expected}"
+    )]
+    UnfinishedStep {
+        /// Bytes of a time step.
+        expected: u64,
+        /// Bytes of the last.
+        found: u64,
+    },
+    /// Something went wrong before.
+    #[error("nothing can be written after an error")]
+    AfterError,
 }
 
 impl CompressError {
@@ -77,6 +113,7 @@ impl CompressError {
     pub fn kind(&self) -> Fault {
         match self {
             Self::Io(_) | Self::Spool(_) | Self::Stopped(_) => Fault::Io,
+            Self::Write(error) => error.kind(),
             Self::Unfaithful | Self::Changed => Fault::Data,
             Self::Read(error) => error.kind(),
             Self::Container(error) => error.kind(),
@@ -98,6 +135,14 @@ impl From<Unencodable> for CompressError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContainerError {
+    /// A file could not be opened.
+    #[error("{}: {cause}", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// Why not: one of the others.
+        cause: Box<ContainerError>,
+    },
     /// The first bytes are not those of a container.
     #[error("not a wavelift file")]
     NotAContainer,
@@ -204,7 +249,7 @@ pub enum ContainerError {
         bytes: u64,
     },
     /// Reading failed.
-    #[error("cannot read: {0}")]
+    #[error("cannot read: {}", in_words(.0))]
     Io(#[from] io::Error),
     /// The samples could not be written.
     #[error(transparent)]
@@ -216,16 +261,24 @@ pub enum ContainerError {
 
 impl ContainerError {
     /// Whether the file is one, but not as it was written: [`Container::salvage`](super::Container::salvage) may help.
-    pub const fn is_damage(&self) -> bool {
+    pub fn is_damage(&self) -> bool {
         matches!(
-            self,
+            self.cause(),
             Self::Truncated | Self::Damaged(_) | Self::Record { .. } | Self::Step { .. } | Self::Brick { .. }
         )
     }
 
+    /// The same without the name of the file.
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::Open { cause, .. } => cause,
+            other => other,
+        }
+    }
+
     /// Whose fault it is.
     pub fn kind(&self) -> Fault {
-        match self {
+        match self.cause() {
             Self::NoSuchLevel { .. }
             | Self::NoSuchRegion { .. }
             | Self::NoSampleInRegion { .. }

@@ -23,6 +23,13 @@ impl fmt::Display for Region {
     }
 }
 
+/// From where to where along x, y and z.
+impl From<[Range<u64>; 3]> for Region {
+    fn from(ranges: [Range<u64>; 3]) -> Self {
+        Self { from: per_axis(|axis| ranges[axis].start), to: per_axis(|axis| ranges[axis].end) }
+    }
+}
+
 /// A text that is not of the form `X0:X1,Y0:Y1,Z0:Z1`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is not a region: write X0:X1,Y0:Y1,Z0:Z1, each end beyond its beginning")]
@@ -55,6 +62,18 @@ pub struct Part {
     pub step: Option<u64>,
     /// The component; `None` for all.
     pub component: Option<u32>,
+}
+
+impl Part {
+    /// A region at full resolution, of all steps and components: `Part::region([10..60, 20..40, 3..5])`, x, y and z.
+    pub fn region(region: impl Into<Region>) -> Self {
+        Self { region: Some(region.into()), ..Self::default() }
+    }
+
+    /// The whole at a level.
+    pub fn level(level: u8) -> Self {
+        Self { level, ..Self::default() }
+    }
 }
 
 /// A [`Part`] that is known to exist: samples `from .. to` of the level.

@@ -96,21 +96,14 @@ impl<'a> Supply<'a> {
             return Ok(Self::Source(source, start));
         }
         source.seek(start)?;
-        let is_small = bytes <= most;
-        let (mut memory, mut spool) = (Vec::new(), None);
+        let mut gathered = Gathered::new(bytes, most)?;
         let mut piece = Vec::new();
-        let mut left = bytes;
-        while left > 0 {
-            piece.resize(left.min(PIECE_BYTES) as usize, 0);
+        while gathered.missing() > 0 {
+            piece.resize(gathered.missing().min(PIECE_BYTES) as usize, 0);
             source.read(&mut piece)?;
-            left -= piece.len() as u64;
-            match &mut spool {
-                _ if is_small => memory.extend_from_slice(&piece),
-                Some(file) => write(file, &piece)?,
-                None => write(spool.insert(tempfile::tempfile().map_err(CompressError::Spool)?), &piece)?,
-            }
+            gathered.push(&piece)?;
         }
-        Ok(spool.map_or(Self::Memory(memory), Self::Spool))
+        Ok(gathered.into_supply())
     }
 
     /// Bytes of memory that it takes for the values.
@@ -147,6 +140,55 @@ impl<'a> Supply<'a> {
     }
 }
 
-fn write(file: &mut File, piece: &[u8]) -> Result<(), CompressError> {
-    file.write_all(piece).map_err(CompressError::Spool)
+/// The values of a time step on their way to be a [`Supply`].
+#[derive(Debug)]
+pub(super) struct Gathered {
+    place: Place,
+    bytes: u64,
+    found: u64,
+}
+
+#[derive(Debug)]
+enum Place {
+    Memory(Vec<u8>),
+    File(File),
+}
+
+impl Gathered {
+    /// Room for a step of `bytes`: in memory if that is at most `most`, else in a nameless temporary file.
+    pub(super) fn new(bytes: u64, most: u64) -> Result<Self, CompressError> {
+        let place = match bytes <= most {
+            true => Place::Memory(Vec::new()),
+            false => Place::File(tempfile::tempfile().map_err(CompressError::Spool)?),
+        };
+        Ok(Self { place, bytes, found: 0 })
+    }
+
+    /// Bytes that are there.
+    pub(super) const fn found(&self) -> u64 {
+        self.found
+    }
+
+    /// Bytes that are to come.
+    pub(super) const fn missing(&self) -> u64 {
+        self.bytes - self.found
+    }
+
+    /// Takes the next values, which are not more than are missing.
+    pub(super) fn push(&mut self, values: &[u8]) -> Result<(), CompressError> {
+        match &mut self.place {
+            Place::Memory(memory) => memory.extend_from_slice(values),
+            Place::File(file) => file.write_all(values).map_err(CompressError::Spool)?,
+        }
+        self.found += values.len() as u64;
+        Ok(())
+    }
+
+    /// The values, all of which are there.
+    pub(super) fn into_supply<'a>(self) -> Supply<'a> {
+        match self.place {
+            Place::Memory(memory) => Supply::Memory(memory),
+            Place::File(file) => Supply::Spool(file),
+        }
+    }
 }

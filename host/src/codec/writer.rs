@@ -115,14 +115,14 @@ impl<W: Write> Writer<W> {
         &self.summaries
     }
 
-    /// Writes what comes last; returns the bytes of the whole container.
-    pub(super) fn finish(mut self) -> io::Result<u64> {
+    /// Writes what comes last; returns the bytes of the whole container, and where they went.
+    pub(super) fn finish(mut self) -> io::Result<(u64, W)> {
         self.index.statistics = self.record(&record::to_bytes(Kind::Statistics, &self.summaries)?)?;
         let index = record::to_bytes(Kind::Index, &self.index)?;
         let bytes = self.record(&index)?;
         self.record(&footer(bytes))?;
         self.out.flush()?;
-        Ok(self.written)
+        Ok((self.written, self.out))
     }
 
     /// Writes a record; returns its length.

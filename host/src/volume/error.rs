@@ -66,6 +66,12 @@ pub enum ReadError {
         /// What the system said.
         cause: io::Error,
     },
+    /// A file without a byte.
+    #[error("{}: the file is empty", path.display())]
+    Empty {
+        /// File in question.
+        path: PathBuf,
+    },
     /// A raw file without a layout.
     #[error("{}: {}", path.display(), unknown(path))]
     NoLayout {
@@ -197,7 +203,8 @@ impl ReadError {
             | Self::Layout { .. }
             | Self::LayoutMismatch { .. }
             | Self::NotScalar { .. } => Fault::Usage,
-            Self::SampleBytes { .. }
+            Self::Empty { .. }
+            | Self::SampleBytes { .. }
             | Self::Gzip { .. }
             | Self::Changed { .. }
             | Self::BeyondEnd { .. }

@@ -110,6 +110,7 @@ pub(super) trait Format: Sync {
 const FORMATS: &[&dyn Format] = &[
     &nrrd::Nrrd,
     &npy::Npy,
+    &npy::Npz,
     &metaimage::MetaImage,
     &nifti::Nifti,
     &tiff::Tiff,
@@ -139,11 +140,19 @@ pub(super) fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     extensions.iter().any(|extension| name.strip_suffix(extension).is_some_and(|stem| stem.ends_with('.')))
 }
 
+/// Parts the path of a file with one of these extensions from the name of an array behind it, as in
+/// `flow.vti#pressure`, unless a file has just that name.
+pub(super) fn array_of(path: &Path, extensions: &[&str]) -> (PathBuf, Option<String>) {
+    let whole = || (path.to_owned(), None);
+    let Some((file, name)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole() };
+    let is_known = has_extension(Path::new(file), extensions);
+    if is_known && !path.exists() { (file.into(), Some(name.to_owned())) } else { whole() }
+}
+
 /// What to do with a file of no format known here.
 pub(super) fn unknown(path: &Path) -> String {
-    let extensions: [(&[&str], &str); 6] = [
+    let extensions: [(&[&str], &str); 5] = [
         (&["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"], "HDF5, NetCDF and their kin are not read"),
-        (&["npz"], "an archive of arrays is not read: unzip it, and give one of its .npy files"),
         (&["zip", "tar", "tgz", "7z"], "an archive is not read: unpack it first"),
         (&["mgh", "mgz"], "FreeSurfer's format is not read: convert it with `mri_convert` to .nii.gz"),
         (

@@ -21,7 +21,7 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// Opens a file, FIFO or device.
+    /// Opens a file, which is not empty, a FIFO or a device.
     pub(super) fn open(path: &Path) -> Result<Self, ReadError> {
         let open = || {
             let file = File::open(path)?;
@@ -30,7 +30,9 @@ impl Input {
             }
             Ok(file)
         };
-        Self::of_file(open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })?, path)
+        let input =
+            Self::of_file(open().map_err(|cause| ReadError::Io { path: path.to_owned(), cause })?, path)?;
+        if input.bytes == Some(0) { Err(ReadError::Empty { path: path.to_owned() }) } else { Ok(input) }
     }
 
     /// Takes an open file from where it stands, which is its beginning; errors will name it `path`.

@@ -138,8 +138,8 @@ pub struct WriteOptions {
 ///
 /// Cost: one pass over the file; the samples are in memory once (twice at most while they come out of gzip or
 /// a FIFO), and are reversed in place if they are big-endian.
-pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
-    read_all(path, open(path, layout)?)
+pub fn read(path: impl AsRef<Path>, layout: Option<&RawLayout>) -> Result<Volume, ReadError> {
+    read_all(path.as_ref(), open(&path, layout)?)
 }
 
 /// Reads a volume whose layout is known from elsewhere: as [`read`] without a layout, but where the file is raw, it
@@ -150,8 +150,8 @@ pub fn read(path: &Path, layout: Option<&RawLayout>) -> Result<Volume, ReadError
 /// As [`read`], but for [`ReadError::NoLayout`].
 ///
 /// Cost: as [`read`].
-pub fn read_known(path: &Path, layout: &RawLayout) -> Result<Volume, ReadError> {
-    read_all(path, open_known(path, layout)?)
+pub fn read_known(path: impl AsRef<Path>, layout: &RawLayout) -> Result<Volume, ReadError> {
+    read_all(path.as_ref(), open_known(&path, layout)?)
 }
 
 /// Bytes that are read, and for which memory is taken, at a time.
@@ -197,7 +197,12 @@ pub fn read_all(path: &Path, mut source: Box<dyn Source>) -> Result<Volume, Read
 /// [`WriteError`]; nothing has changed at the path then.
 ///
 /// Cost: one pass over the samples.
-pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Vec<String>, WriteError> {
+pub fn write(
+    volume: &Volume,
+    path: impl AsRef<Path>,
+    options: &WriteOptions,
+) -> Result<Vec<String>, WriteError> {
+    let path = path.as_ref();
     let expected = sample_bytes(volume.extent, volume.element).unwrap_or(u64::MAX);
     let found = volume.samples.len() as u64;
     if found != expected {

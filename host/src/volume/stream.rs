@@ -82,7 +82,8 @@ impl std::fmt::Debug for Created {
 /// [`ReadError`]: no format that is known, a header that is none, a file of another length than its header says.
 ///
 /// Cost: that of reading the header. A pipe is copied to a temporary file as it is read.
-pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
+pub fn open(path: impl AsRef<Path>, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
+    let path = path.as_ref();
     let source = match layout.copied() {
         Some(layout) => open_each(path, true, move |file| raw::open(Input::open(file)?, &layout)),
         None => open_by_format(path, None),
@@ -94,8 +95,8 @@ pub fn open(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, 
 ///
 /// # Errors
 /// As [`open`], but for [`ReadError::NoLayout`].
-pub fn open_known(path: &Path, layout: &RawLayout) -> Result<Box<dyn Source>, ReadError> {
-    Ok(Box::new(Watched::new(open_by_format(path, Some(layout))?)))
+pub fn open_known(path: impl AsRef<Path>, layout: &RawLayout) -> Result<Box<dyn Source>, ReadError> {
+    Ok(Box::new(Watched::new(open_by_format(path.as_ref(), Some(layout))?)))
 }
 
 fn open_by_format(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>, ReadError> {
@@ -136,7 +137,12 @@ fn open_file(path: &Path, layout: Option<&RawLayout>) -> Result<Box<dyn Source>,
 ///
 /// # Errors
 /// [`WriteError`]: the format cannot hold such a data set, or the system refuses. Nothing has changed at the path then.
-pub fn create(path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
+pub fn create(
+    path: impl AsRef<Path>,
+    header: &Header,
+    options: &WriteOptions,
+) -> Result<Created, WriteError> {
+    let path = path.as_ref();
     let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
     if format::has_extension(path, &["wlift", "wsurf"]) {
         return Err(WriteError::Compressed { path: path.to_owned() });

@@ -116,7 +116,7 @@ fn other_names_hide_no_format() {
         let (_folder, path) = file(name, b"ab");
         read(&path, None).unwrap_err().to_string()
     };
-    assert!(told("a.mgz").contains("mri_convert") && told("a.npz").contains("unzip"));
+    assert!(told("a.mgz").contains("mri_convert") && told("a.zip").contains("unpack"));
     assert!(told("a.bin").contains("neither the name nor the first bytes"));
 }
 
@@ -190,7 +190,7 @@ fn what_a_format_cannot_hold_is_told() {
     ];
     let folder = tempfile::tempdir().unwrap();
     let told = |name: &str| -> Vec<String> {
-        write(&volume, &folder.path().join(name), &WriteOptions::default()).unwrap()
+        write(&volume, folder.path().join(name), &WriteOptions::default()).unwrap()
     };
     let lost = ["spacings", "1 comment", "2 key/value pairs"];
     assert_eq!(told("a.npy"), lost);
@@ -204,16 +204,16 @@ fn what_cannot_be_written_leaves_nothing() {
     let mut volume = generate(Kind::Steps, [4, 3, 2], ElementType::U8, 1);
     let gzip = WriteOptions { byte_order: None, gzip: true };
     for name in ["a.raw", "a.npy"] {
-        let error = write(&volume, &folder.path().join(name), &gzip).unwrap_err();
+        let error = write(&volume, folder.path().join(name), &gzip).unwrap_err();
         assert_eq!(error.kind(), Fault::Usage);
     }
     for name in ["a.raw", "a.npy", "a.nrrd", "a.nhdr"] {
         let error =
-            write(&volume, &folder.path().join("none").join(name), &WriteOptions::default()).unwrap_err();
+            write(&volume, folder.path().join("none").join(name), &WriteOptions::default()).unwrap_err();
         assert_eq!(error.kind(), Fault::Io);
     }
     volume.samples.pop();
-    let error = write(&volume, &folder.path().join("a.raw"), &WriteOptions::default()).unwrap_err();
+    let error = write(&volume, folder.path().join("a.raw"), &WriteOptions::default()).unwrap_err();
     assert_eq!(error.kind(), Fault::Data);
     assert!(error.to_string().ends_with("has 23 bytes of samples where its extent and type need 24"));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);

@@ -19,6 +19,8 @@ fn volumes_come_and_go_through_pipes() {
     assert_eq!(folder.read("c.wlift"), folder.read("a.wlift"));
     folder.shell("wavelift decompress a.wlift /dev/stdout | cat > out.raw").silent();
     assert_eq!(folder.read("out.raw"), samples);
+    folder.shell(&format!("cat in.raw | wavelift compress - - {layout} | cat > d.wlift")).silent();
+    assert_eq!(folder.read("d.wlift"), folder.read("a.wlift"));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod damage;
+mod files;
 mod lattices;
 mod meters;
 mod streams;
@@ -34,7 +35,11 @@ fn store(volume: &Volume, options: &CompressOptions) -> (Stored, Report) {
 }
 
 fn read(path: &std::path::Path, part: &Part) -> Result<Volume, ContainerError> {
-    Container::open(path)?.read(part, None, &ignore)
+    let container = Container::open(path).map_err(|error| match error {
+        ContainerError::Open { cause, .. } => *cause,
+        other => other,
+    })?;
+    container.read(part, None, &ignore)
 }
 
 /// How the only component of the only time step is coded.

@@ -4,12 +4,14 @@
 //! memory that an element promises before its bytes are there, and hold all frames at once.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, Read};
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
+
+use flate2::read::DeflateDecoder;
 
 use super::series::{ORIENTATION, RESCALE};
 use super::{DicomError, POSITION};
-use crate::volume::ByteOrder;
 use crate::volume::input::Input;
+use crate::volume::{ByteOrder, in_words};
 
 /// Bytes of the values of elements that are kept at most, of one and of all.
 const VALUE_BYTES: u64 = 1 << 16;
@@ -41,6 +43,8 @@ const OF_FRAMES: [Tag; 4] = [POSITION, ORIENTATION, RESCALE[0], RESCALE[1]];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Syntax {
     is_implicit: bool,
+    /// Whether all behind the first group is compressed.
+    pub(super) is_deflated: bool,
     pub(super) byte_order: ByteOrder,
     pub(super) packing: Packing,
 }
@@ -59,16 +63,24 @@ pub(super) enum Packing {
 }
 
 impl Syntax {
+    /// That of the first group.
+    const PLAIN: Self = Self {
+        is_implicit: false,
+        is_deflated: false,
+        byte_order: ByteOrder::Little,
+        packing: Packing::None,
+    };
+
     fn of(uid: &str) -> Result<Self, DicomError> {
-        let plain = Self { is_implicit: false, byte_order: ByteOrder::Little, packing: Packing::None };
+        let plain = Self::PLAIN;
         let name = match uid.strip_prefix("1.2.840.10008.1.2").unwrap_or("?") {
             "" => return Ok(Self { is_implicit: true, ..plain }),
             ".1" => return Ok(plain),
+            ".1.99" => return Ok(Self { is_deflated: true, ..plain }),
             ".2" => return Ok(Self { byte_order: ByteOrder::Big, ..plain }),
             ".5" => return Ok(Self { packing: Packing::Rle, ..plain }),
             ".4.50" | ".4.51" | ".4.57" | ".4.70" => return Ok(Self { packing: Packing::Jpeg, ..plain }),
             ".4.90" | ".4.91" => return Ok(Self { packing: Packing::Jpeg2000, ..plain }),
-            ".1.99" => "deflate",
             ".4.80" | ".4.81" => "JPEG-LS",
             ".4.92" | ".4.93" => "JPEG 2000 of several components",
             ".4.201" | ".4.202" | ".4.203" => "High-Throughput JPEG 2000",
@@ -110,14 +122,15 @@ pub(super) struct DataSet {
 }
 
 impl DataSet {
-    /// Reads all that stands before the pixels.
+    /// Reads all that stands before the pixels. Where the file is deflated, `input` becomes one of what it holds, with
+    /// each byte at the place that [`Pixels`] says.
     pub(super) fn read(input: &mut Input) -> Result<Self, DicomError> {
         input.seek(128).map_err(|_| DicomError::Magic)?;
         let mut magic = [0; 4];
         if input.read_exact(&mut magic).is_err() || &magic != b"DICM" {
             return Err(DicomError::Magic);
         }
-        let syntax = Syntax { is_implicit: false, byte_order: ByteOrder::Little, packing: Packing::None };
+        let syntax = Syntax::PLAIN;
         let mut reader = Reader {
             input,
             syntax,
@@ -130,6 +143,9 @@ impl DataSet {
         let uid =
             reader.set.get(&TRANSFER_SYNTAX).ok_or(DicomError::Damaged { what: "the transfer syntax" })?;
         reader.syntax = Syntax::of(&text(&uid.bytes))?;
+        if reader.syntax.is_deflated {
+            *reader.input = inflated(reader.input)?;
+        }
         let pixels = reader.elements(None, 0, None)?.ok_or(DicomError::NoPixels)?;
         let Reader { syntax, set, shared, of_frames, .. } = reader;
         Ok(Self { syntax, elements: set, shared, of_frames, pixels })
@@ -162,6 +178,27 @@ impl DataSet {
     pub(super) fn decimals(&self, tag: Tag) -> Option<Vec<f64>> {
         decimals(self.value(tag)?)
     }
+}
+
+/// A temporary file of what comes next, decompressed, from the same place on (PS3.5, A.5).
+fn inflated(input: &mut Input) -> Result<Input, DicomError> {
+    let unusable = |cause: &io::Error| DicomError::Temporary { cause: in_words(cause) };
+    let mut file = tempfile::tempfile().map_err(|cause| unusable(&cause))?;
+    let position = input.position();
+    let path = input.path().to_owned();
+    let copied = file
+        .seek(SeekFrom::Start(position))
+        .and_then(|_| io::copy(&mut DeflateDecoder::new(input), &mut file));
+    copied.and_then(|_| file.rewind()).map_err(|cause| match cause.kind() {
+        io::ErrorKind::InvalidInput | io::ErrorKind::InvalidData | io::ErrorKind::UnexpectedEof => {
+            DicomError::Damaged { what: "what is deflated" }
+        }
+        _ => unusable(&cause),
+    })?;
+    let mut inflated =
+        Input::of_file(file, &path).map_err(|_| DicomError::Damaged { what: "what is deflated" })?;
+    inflated.seek(position).map_err(|_| DicomError::Damaged { what: "what is deflated" })?;
+    Ok(inflated)
 }
 
 /// Decimal numbers between backslashes.

@@ -43,6 +43,10 @@ pub(super) struct Layout {
     is_bits: bool,
     /// Whether colours are red, green and blue.
     is_rgb: bool,
+    /// Whether two pixels share their differences of colour: two brightnesses, then one of each.
+    is_halved: bool,
+    /// Whether the file is deflated.
+    pub(super) is_deflated: bool,
     pixels: Pixels,
 }
 
@@ -83,6 +87,7 @@ impl Layout {
         let [stored, high_bit] =
             if float_bits == 0 { [stored, high_bit] } else { [allocated, allocated - 1] };
         let byte_order = set.syntax.byte_order;
+        let is_native = matches!(set.pixels, Pixels::Native { .. });
         let is_words = matches!(set.pixels, Pixels::Native { vr, .. } if &vr == b"OW");
         let is_bits = allocated == 1;
         let layout = Self {
@@ -98,6 +103,8 @@ impl Layout {
             packing: set.syntax.packing,
             is_bits,
             is_rgb: set.text(PHOTOMETRIC).is_some_and(|name| name == "RGB"),
+            is_halved: is_native && set.text(PHOTOMETRIC).is_some_and(|name| name.ends_with("_422")),
+            is_deflated: set.syntax.is_deflated,
             is_swapped: byte_order == ByteOrder::Big && allocated == 8 && is_words,
             pixels: set.pixels.clone(),
         };
@@ -110,9 +117,31 @@ impl Layout {
         u64::from(self.columns) * u64::from(self.rows) * u64::from(self.samples) * self.element.bytes() as u64
     }
 
+    /// What colours mean where it is something else than the file says: those of JPEG are decoded, and those that two
+    /// pixels share are given to both.
+    pub(super) const fn meaning(&self) -> Option<&'static str> {
+        match self.packing {
+            Packing::Jpeg | Packing::Jpeg2000 if self.samples == 3 => Some("RGB"),
+            _ if self.is_halved => Some("YBR_FULL"),
+            _ => None,
+        }
+    }
+
+    /// Bytes that it is stored in, if it is not compressed.
+    fn stored_bytes(&self) -> u64 {
+        if self.is_halved { self.bytes() / 3 * 2 } else { self.bytes() }
+    }
+
     /// Whether pixels are as many as frames need, as far as lengths tell.
     fn check(&self) -> Result<(), DicomError> {
-        let values = self.bytes().saturating_mul(self.frames);
+        if self.is_halved
+            && (self.samples != 3 || self.element.bytes() != 1 || !self.columns.is_multiple_of(2))
+        {
+            return Err(DicomError::Pixels {
+                what: "colours that pixels share, but no pairs of bytes".to_owned(),
+            });
+        }
+        let values = self.stored_bytes().saturating_mul(self.frames);
         let expected = if self.is_bits { values.div_ceil(8) } else { values };
         match &self.pixels {
             // A byte may follow to make the length even.
@@ -153,11 +182,11 @@ impl Layout {
                 return Ok(());
             }
             Pixels::Native { start, .. } => {
-                let at = start + frame * self.bytes();
+                let at = start + frame * self.stored_bytes();
                 // Words of two bytes may begin in the frame before.
                 let odd = if self.is_swapped { (at - start) & 1 } else { 0 };
                 input.seek(at - odd).map_err(|_| damaged())?;
-                let mut stored = vec![0; out.len() + odd as usize];
+                let mut stored = vec![0; (self.stored_bytes() + odd) as usize];
                 input.read_exact(&mut stored).map_err(|_| damaged())?;
                 if self.is_swapped {
                     if stored.len() % 2 == 1 {
@@ -167,7 +196,12 @@ impl Layout {
                     }
                     stored.as_chunks_mut::<2>().0.iter_mut().for_each(|word| word.reverse());
                 }
-                out.copy_from_slice(&stored[odd as usize..][..out.len()]);
+                let stored = &stored[odd as usize..][..self.stored_bytes() as usize];
+                if self.is_halved {
+                    spread(stored, out);
+                    return Ok(());
+                }
+                out.copy_from_slice(stored);
                 reorder(out, self.element, self.byte_order);
                 if self.is_planar {
                     self.put_together(out);
@@ -255,5 +289,13 @@ impl Layout {
             };
             value.copy_from_slice(&number.to_le_bytes()[..bytes]);
         }
+    }
+}
+
+/// Gives each of two pixels the differences of colour that they share (PS3.3, C.7.6.3.1.2, YBR_FULL_422).
+fn spread(stored: &[u8], out: &mut [u8]) {
+    for (pair, two) in stored.as_chunks::<4>().0.iter().zip(out.as_chunks_mut::<6>().0) {
+        let [first, second, blue, red] = *pair;
+        *two = [first, blue, red, second, blue, red];
     }
 }

@@ -52,6 +52,12 @@ pub enum DicomError {
         /// Its name.
         name: &'static str,
     },
+    /// A file that is deflated could not be decompressed.
+    #[error("cannot use a temporary file: {cause}")]
+    Temporary {
+        /// What the system said.
+        cause: String,
+    },
     /// Pixels of a kind that is not read.
     #[error("its pixels have {what}, which is not read")]
     Pixels {
@@ -243,7 +249,12 @@ impl Planes for Stack {
     fn read(&mut self, index: u64, out: &mut [u8]) -> Result<(), ReadError> {
         let (file, frame) = self.series.place(index);
         if self.current.as_ref().is_none_or(|(current, _)| *current != file) {
-            self.current = Some((file, Input::open(self.series.path(file))?));
+            let mut input = Input::open(self.series.path(file))?;
+            if self.series.layout(file).is_deflated {
+                let path = input.path().to_owned();
+                DataSet::read(&mut input).map_err(|cause| fault(&path, cause))?;
+            }
+            self.current = Some((file, input));
         }
         let Some((_, input)) = &mut self.current else { return Ok(()) };
         let path = input.path().to_owned();

@@ -246,6 +246,9 @@ impl Series {
             if layout.element.bytes() > 1 { layout.byte_order } else { ByteOrder::Little };
         metadata.lines = geometry;
         metadata.lines.extend(set.elements.iter().filter_map(|(tag, value)| self.line(*tag, value)));
+        if let Some(meaning) = layout.meaning() {
+            metadata.set_key_value("dicom.0028,0004", meaning);
+        }
         metadata.lines.extend(RESCALE.into_iter().filter_map(|tag| self.rescale_of_frames(tag)));
         let extent = [layout.columns.into(), layout.rows.into(), self.slices];
         Header {

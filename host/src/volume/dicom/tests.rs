@@ -342,7 +342,7 @@ fn samples_of_nowhere_stay_in_their_order() {
     assert_eq!(found.metadata.geometry(), None);
     // No file is written among others of such names.
     assert!(
-        crate::volume::create(&folder.path().join("n_%d.dcm"), &header, &WriteOptions::default()).is_err()
+        crate::volume::create(folder.path().join("n_%d.dcm"), &header, &WriteOptions::default()).is_err()
     );
 }
 
@@ -350,7 +350,7 @@ fn samples_of_nowhere_stay_in_their_order() {
 fn what_dicom_cannot_hold_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |name: &str, header: &Header| {
-        let created = crate::volume::create(&folder.path().join(name), header, &WriteOptions::default());
+        let created = crate::volume::create(folder.path().join(name), header, &WriteOptions::default());
         created.map(|_| ()).unwrap_err().to_string()
     };
     let of = |element, extent| volume(element, 1, extent).0;

@@ -360,10 +360,10 @@ fn encoded(kind: &str, value: &str) -> Option<Vec<u8>> {
 fn pixels(elements: &mut Elements, header: &Header) {
     let bits = 8 * header.element.bytes() as u16;
     let is_signed = matches!(header.element, ElementType::I8 | ElementType::I16 | ElementType::I32);
-    let is_inverted = header.metadata.key_value("dicom.0028,0004") == Some("MONOCHROME1");
-    let photometric = match header.components {
-        3 => "RGB",
-        _ if is_inverted => "MONOCHROME1",
+    let photometric = match (header.components, header.metadata.key_value("dicom.0028,0004")) {
+        (3, Some("YBR_FULL")) => "YBR_FULL",
+        (3, _) => "RGB",
+        (_, Some("MONOCHROME1")) => "MONOCHROME1",
         _ => "MONOCHROME2",
     };
     elements.text(PHOTOMETRIC, photometric);

@@ -4,11 +4,13 @@
 //! axis of an array in C order is x; in Fortran order the first is. No sample is moved for either. Of four axes, that
 //! which varies fastest holds components if it has at most four values, else the slowest is time; of five there are both.
 
+mod archive;
 mod literal;
 
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+pub(super) use archive::Npz;
 use literal::Entries;
 
 use super::axis::{Axis, guessed};
@@ -90,6 +92,18 @@ pub enum NpyError {
     Axes {
         /// How many it has.
         found: usize,
+    },
+    /// An archive that cannot be read.
+    #[error("no archive of arrays that can be read: {cause}")]
+    Archive {
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// An archive of several arrays, or of none of that name.
+    #[error("it holds {names}: give one as FILE#NAME")]
+    Arrays {
+        /// The arrays that it holds.
+        names: String,
     },
     /// Shapes that make no extent.
     #[error("the array's shape: {0}")]

@@ -36,7 +36,7 @@ fn a_stack_is_read_by_pattern_and_by_folder() {
     fs::write(folder.path().join("notes.txt"), "no slice").unwrap();
     for name in ["s%d.pgm", "s*.pgm", "*.pgm", ""] {
         for piece in [1, 3, 4, 7, 12] {
-            let mut source = open_volume(&folder.path().join(name), None).unwrap();
+            let mut source = open_volume(folder.path().join(name), None).unwrap();
             assert_eq!((source.header().extent, source.header().metadata.rank()), ([2, 2, 3], 3));
             assert!(all(&mut source, piece).into_iter().eq(1..13));
             source.seek(6).unwrap();
@@ -45,7 +45,7 @@ fn a_stack_is_read_by_pattern_and_by_folder() {
             assert_eq!(part, [7, 8, 9]);
         }
     }
-    let single = open_volume(&folder.path().join("s9.pgm"), None).unwrap();
+    let single = open_volume(folder.path().join("s9.pgm"), None).unwrap();
     assert_eq!((single.header().extent, single.header().metadata.rank()), ([2, 2, 1], 2));
 }
 
@@ -56,7 +56,7 @@ fn raw_slices_have_one_layout() {
     fs::write(folder.path().join("2.bin"), [3, 4]).unwrap();
     let layout = RawLayout::new("2x1".parse().unwrap(), ElementType::U8);
     for name in ["", "%d.bin", "*"] {
-        let mut source = open_volume(&folder.path().join(name), Some(&layout)).unwrap();
+        let mut source = open_volume(folder.path().join(name), Some(&layout)).unwrap();
         assert_eq!(all(&mut source, 4), [1, 2, 3, 4]);
     }
 }
@@ -64,7 +64,7 @@ fn raw_slices_have_one_layout() {
 #[test]
 fn what_makes_no_stack_is_told_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let open = |name: &str| text_of(open_volume(&folder.path().join(name), None));
+    let open = |name: &str| text_of(open_volume(folder.path().join(name), None));
     assert!(open("").contains("there are no slices"));
     assert!(open("a_*.pgm").contains("there are no slices"));
     pgm(folder.path(), "a_1.pgm", 2, &[1, 2]);
@@ -77,7 +77,7 @@ fn what_makes_no_stack_is_told_by_name() {
     assert!(open("").contains("the same number"));
     fs::write(folder.path().join("b.png"), "x").unwrap();
     assert!(open("").contains("several formats"));
-    let error = open_volume(&folder.path().join("none/%d.pgm"), None).err().unwrap();
+    let error = open_volume(folder.path().join("none/%d.pgm"), None).err().unwrap();
     assert_eq!(error.kind(), Fault::Io);
 }
 
@@ -88,7 +88,7 @@ fn a_stack_is_written_whole_or_not_at_all() {
     let header = Header::scalar([2, 1, 3], ElementType::U8, Metadata::plain(3, FileFormat::Raw));
     for (piece, name) in [(1, "a_##.pgm"), (2, "b%d.pgm"), (4, "c*.pgm")] {
         assert_eq!(write(&folder.join(name), &header, &[1, 2, 3, 4, 5, 6], piece).unwrap(), [""; 0]);
-        let mut source = open_volume(&folder.join(name), None).unwrap();
+        let mut source = open_volume(folder.join(name), None).unwrap();
         assert_eq!(all(&mut source, 6), [1, 2, 3, 4, 5, 6]);
     }
     for name in ["a_00.pgm", "b2.pgm", "c0001.pgm"] {

@@ -50,6 +50,9 @@ pub(super) fn create(path: &Path, header: &Header, options: &WriteOptions) -> Re
     for name in left.iter_mut().filter(|name| plan.holds_spacings && *name == "space directions") {
         *name += " (only the distances of samples are kept)";
     }
+    if header.metadata.time_step().is_some() && plan.holds_spacings {
+        left.push("the spacing of time steps".to_owned());
+    }
     let form = Form { order, is_big, is_deflated: options.gzip };
     let writer = Writer {
         file,

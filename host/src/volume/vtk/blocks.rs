@@ -3,7 +3,7 @@
 //! Source: class `vtkXMLDataParser` of VTK. A table stands before the blocks: their number, the bytes of a block and
 //! of the last one before compression (0 if it is as long as the others), and the bytes of each after it.
 
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read};
 
 use flate2::read::ZlibDecoder;
 
@@ -38,10 +38,100 @@ impl Words {
     }
 }
 
+/// What compresses blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Compressor {
+    /// zlib.
+    Zlib,
+    /// LZ4, blocks without a frame.
+    Lz4,
+}
+
+impl Compressor {
+    /// The class of VTK that a file names.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Zlib => "vtkZLibDataCompressor",
+            Self::Lz4 => "vtkLZ4DataCompressor",
+        }
+    }
+
+    /// The compressor of that name.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        [Self::Zlib, Self::Lz4].into_iter().find(|found| found.name() == name)
+    }
+}
+
+/// A byte of LZ4 stands for at most so many.
+const LZ4_RATIO: u64 = 255;
+
+/// The bytes of a block.
+enum Decoder {
+    Zlib(ZlibDecoder<io::Take<Bytes>>),
+    /// Decompressed as a whole.
+    Lz4(Bytes, Cursor<Vec<u8>>),
+}
+
+impl Decoder {
+    /// Begins with the next `stored` bytes, which make a block of `full`.
+    fn new(mut bytes: Bytes, compressor: Compressor, stored: u64, full: u64) -> (Self, io::Result<()>) {
+        match compressor {
+            Compressor::Zlib => (Self::Zlib(ZlibDecoder::new(bytes.take(stored))), Ok(())),
+            Compressor::Lz4 => match lz4(&mut bytes, stored, full) {
+                Ok(block) => (Self::Lz4(bytes, Cursor::new(block)), Ok(())),
+                Err(cause) => (Self::Lz4(bytes, Cursor::default()), Err(cause)),
+            },
+        }
+    }
+
+    fn inner(&self) -> &Bytes {
+        match self {
+            Self::Zlib(decoder) => decoder.get_ref().get_ref(),
+            Self::Lz4(bytes, _) => bytes,
+        }
+    }
+
+    fn into_bytes(self) -> Bytes {
+        match self {
+            Self::Zlib(decoder) => decoder.into_inner().into_inner(),
+            Self::Lz4(bytes, _) => bytes,
+        }
+    }
+}
+
+/// Decompresses a block; memory is taken as its bytes arrive, and for no more than they can stand for.
+fn lz4(bytes: &mut Bytes, stored: u64, full: u64) -> io::Result<Vec<u8>> {
+    let mut compressed = Vec::new();
+    bytes.take(stored).read_to_end(&mut compressed)?;
+    let fault = |cause: String| io::Error::new(io::ErrorKind::InvalidData, cause);
+    if compressed.len() as u64 != stored {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    if full > stored.saturating_mul(LZ4_RATIO) {
+        return Err(fault("a block is shorter than its table says".to_owned()));
+    }
+    let mut block = vec![0; full as usize];
+    match lz4_flex::block::decompress_into(&compressed, &mut block) {
+        Ok(found) if found as u64 == full => Ok(block),
+        Ok(_) => Err(fault("a block is shorter than its table says".to_owned())),
+        Err(cause) => Err(fault(cause.to_string())),
+    }
+}
+
+impl Read for Decoder {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Zlib(decoder) => decoder.read(out),
+            Self::Lz4(_, block) => block.read(out),
+        }
+    }
+}
+
 /// Compressed blocks of one array.
 pub(super) struct Blocks {
     /// Taken out only while it is made anew.
-    decoder: Option<ZlibDecoder<io::Take<Bytes>>>,
+    decoder: Option<Decoder>,
+    compressor: Compressor,
     /// Where the blocks end in the bytes of the array; each begins where the last one ends.
     ends: Vec<u64>,
     /// Where the first begins.
@@ -55,7 +145,11 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Reads the table. It takes memory as its words arrive.
-    pub(super) fn new(mut bytes: Bytes, words: Words, total: u64) -> Result<Self, ReadError> {
+    pub(super) fn new(
+        mut bytes: Bytes,
+        (words, compressor): (Words, Compressor),
+        total: u64,
+    ) -> Result<Self, ReadError> {
         let path = bytes.path().to_owned();
         let misfit = || {
             let cause = Box::new(VtkError::Blocks { expected: total });
@@ -76,13 +170,13 @@ impl Blocks {
             end = end.checked_add(next()?).ok_or_else(misfit)?;
             ends.push(end);
         }
-        let decoder = Some(ZlibDecoder::new(bytes.take(0)));
-        let mut blocks = Self { decoder, ends, start, block_bytes, total, at: 0 };
+        let decoder = Some(Decoder::Zlib(ZlibDecoder::new(bytes.take(0))));
+        let mut blocks = Self { decoder, compressor, ends, start, block_bytes, total, at: 0 };
         blocks.begin(0)?;
         Ok(blocks)
     }
 
-    fn decoder(&mut self) -> &mut ZlibDecoder<io::Take<Bytes>> {
+    fn decoder(&mut self) -> &mut Decoder {
         self.decoder.as_mut().expect("a decoder is missing only within `begin`")
     }
 
@@ -92,10 +186,12 @@ impl Blocks {
         let Some(&end) = self.ends.get(block as usize) else { return Ok(()) };
         let start = block.checked_sub(1).map_or(self.start, |before| self.ends[before as usize]);
         let decoder = self.decoder.take().expect("a decoder is missing only here");
-        let mut bytes = decoder.into_inner().into_inner();
+        let mut bytes = decoder.into_bytes();
         let moved = bytes.seek(start);
-        self.decoder = Some(ZlibDecoder::new(bytes.take(end - start)));
-        moved
+        let (decoder, begun) = Decoder::new(bytes, self.compressor, end - start, self.left());
+        self.decoder = Some(decoder);
+        moved?;
+        begun.map_err(|cause| self.fault(cause))
     }
 
     fn read(&mut self, out: &mut [u8]) -> io::Result<()> {
@@ -116,7 +212,7 @@ impl Blocks {
     }
 
     fn fault(&mut self, cause: io::Error) -> ReadError {
-        let path = self.decoder().get_ref().get_ref().path().to_owned();
+        let path = self.decoder().inner().path().to_owned();
         damaged(&path, cause)
     }
 
@@ -155,6 +251,6 @@ impl Body for Blocks {
     }
 
     fn is_random(&self) -> bool {
-        self.decoder.as_ref().is_some_and(|decoder| decoder.get_ref().get_ref().is_random())
+        self.decoder.as_ref().is_some_and(|decoder| decoder.inner().is_random())
     }
 }

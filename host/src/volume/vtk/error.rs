@@ -54,6 +54,12 @@ pub enum VtkError {
         "its image lies in several pieces: write it as a single piece, such as with vtkXMLImageDataWriter"
     )]
     Pieces,
+    /// A list of the files that hold the parts of an image.
+    #[error(
+        "it lists the parts of an image, which are in other files: give one of these, or write the whole as one .vti \
+         with VTK or ParaView"
+    )]
+    Parts,
     /// No data at all.
     #[error("it has no arrays of point data or cell data")]
     NoArrays,
@@ -75,7 +81,8 @@ pub enum VtkError {
     },
     /// A compressor that is not known.
     #[error(
-        "its data are compressed with {found}: only vtkZLibDataCompressor is read, so write it again with that"
+        "its data are compressed with {found}: vtkZLibDataCompressor and vtkLZ4DataCompressor are read, so write it again \
+         with one of these"
     )]
     Compressor {
         /// Name as the file has it.

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 pub use error::VtkError;
 
-use super::format::{Format, has_extension};
+use super::format::{Format, array_of, has_extension};
 use super::input::Input;
 use super::{Created, FileFormat, Header, ReadError, Source, WriteError, WriteOptions};
 
@@ -93,12 +93,9 @@ impl Format for VtkXml {
     }
 }
 
-/// Parts a path from the name of an array behind it, as in `flow.vti#pressure`, unless a file has just that name.
+/// Parts a path from the name of an array behind it.
 fn split(path: &Path) -> (PathBuf, Option<String>) {
-    let whole = || (path.to_owned(), None);
-    let Some((file, name)) = path.to_str().and_then(|text| text.rsplit_once('#')) else { return whole() };
-    let is_vtk = has_extension(Path::new(file), &["vtk", "vti"]);
-    if is_vtk && !path.exists() { (file.into(), Some(name.to_owned())) } else { whole() }
+    array_of(path, &["vtk", "vti"])
 }
 
 fn one_step(path: &Path, format: FileFormat, header: &Header) -> Result<(), WriteError> {

@@ -11,7 +11,7 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::VtkError;
 use super::array::{Array, Attribute, attribute_of, choose, name_of, without_own};
-use super::blocks::{Blocks, Words};
+use super::blocks::{Blocks, Compressor, Words};
 use super::body::{Body, Plain, VtkSource, damaged};
 use super::bytes::Bytes;
 use super::grid::{Grid, joined};
@@ -29,8 +29,6 @@ use crate::volume::{
 /// Longest tag, and longest text between tags beside samples, that is read.
 const TAG_BYTES: u64 = 1 << 20;
 
-const COMPRESSOR: &str = "vtkZLibDataCompressor";
-
 /// Where the samples of an array are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Values {
@@ -45,7 +43,7 @@ enum Values {
 /// All that the markup says.
 struct Document {
     words: Words,
-    is_compressed: bool,
+    compressor: Option<Compressor>,
     grid: Option<Grid>,
     has_piece: bool,
     arrays: Vec<Array<Values>>,
@@ -73,7 +71,7 @@ pub(super) fn open(input: Input, wanted: Option<&str>) -> Result<Box<dyn Source>
     let mut markup = Markup { reader: Reader::from_reader(input.take(TAG_BYTES)) };
     let document = Document::read(&mut markup).map_err(fault)?;
     let input = markup.reader.into_inner().into_inner();
-    let Document { words, is_compressed, grid, arrays, appended, .. } = document;
+    let Document { words, compressor, grid, arrays, appended, .. } = document;
     let mut grid = grid.ok_or_else(|| fault(VtkError::Missing { what: "the tag ImageData" }))?;
     let (array, mut lines) = choose(arrays, wanted).map_err(fault)?;
     let element = array
@@ -104,8 +102,8 @@ pub(super) fn open(input: Input, wanted: Option<&str>) -> Result<Box<dyn Source>
         }
     };
     let mut bytes = Bytes::new(input, start, is_base64)?;
-    let body: Box<dyn Body> = if is_compressed {
-        Box::new(Blocks::new(bytes, words, total)?)
+    let body: Box<dyn Body> = if let Some(compressor) = compressor {
+        Box::new(Blocks::new(bytes, (words, compressor), total)?)
     } else {
         let found = words.read(&mut bytes).map_err(|cause| damaged(&path, cause))?;
         if found != total {
@@ -162,7 +160,7 @@ impl Document {
         let words = Words { byte_order: ByteOrder::Little, is_wide: false };
         let mut document = Self {
             words,
-            is_compressed: false,
+            compressor: None,
             grid: None,
             has_piece: false,
             arrays: Vec::new(),
@@ -218,6 +216,9 @@ impl Document {
 
     fn file(&mut self, tag: &BytesStart<'_>) -> Result<(), VtkError> {
         let kind = required(tag, "type", "the type of VTKFile")?;
+        if kind == "PImageData" {
+            return Err(VtkError::Parts);
+        }
         if kind != "ImageData" {
             return Err(VtkError::Kind { found: excerpt(&kind) });
         }
@@ -231,10 +232,12 @@ impl Document {
             Some("UInt64") => true,
             Some(other) => return Err(value("header_type", other, "UInt32 or UInt64")),
         };
-        self.is_compressed = match attribute(tag, "compressor")?.as_deref() {
-            None | Some("") => false,
-            Some(COMPRESSOR) => true,
-            Some(other) => return Err(VtkError::Compressor { found: excerpt(other) }),
+        self.compressor = match attribute(tag, "compressor")?.as_deref() {
+            None | Some("") => None,
+            Some(name) => match Compressor::named(name) {
+                None => return Err(VtkError::Compressor { found: excerpt(name) }),
+                known => known,
+            },
         };
         Ok(())
     }
@@ -388,7 +391,8 @@ fn head(header: &Header, grid: &Grid, name: &str, byte_order: ByteOrder, is_comp
         ByteOrder::Little => "LittleEndian",
         ByteOrder::Big => "BigEndian",
     };
-    let compressor = if is_compressed { format!(" compressor=\"{COMPRESSOR}\"") } else { String::new() };
+    let compressor =
+        if is_compressed { format!(" compressor=\"{}\"", Compressor::Zlib.name()) } else { String::new() };
     let ends: [i64; 6] = std::array::from_fn(|at| {
         let (axis, is_last) = (at / 2, at % 2);
         grid.start[axis] + is_last as i64 * (grid.points[axis] as i64 - 1)

@@ -12,7 +12,7 @@ use zarrs::array::codec::api::{
     CodecRuntimePluginV2, CodecRuntimePluginV3, PartialDecoderCapability, PartialEncoderCapability,
     register_codec_v2, register_codec_v3,
 };
-use zarrs::array::codec::{BloscCodec, GzipCodec, ZlibCodec, ZstdCodec};
+use zarrs::array::codec::{BloscCodec, Bz2Codec, GzipCodec, ZlibCodec, ZstdCodec};
 use zarrs::array::{
     ArrayBytesRaw, BytesRepresentation, BytesToBytesCodecTraits, Codec, CodecError, CodecMetadataOptions,
     CodecOptions, CodecTraits, CodecTraitsV2, CodecTraitsV3, RecommendedConcurrency,
@@ -26,6 +26,7 @@ pub(super) fn bound_codecs() {
     ONCE.call_once(|| {
         bound::<GzipCodec>(|encoded, most| read(flate2::read::MultiGzDecoder::new(encoded), most));
         bound::<ZlibCodec>(|encoded, most| read(flate2::read::ZlibDecoder::new(encoded), most));
+        bound::<Bz2Codec>(|encoded, most| read(bzip2::read::MultiBzDecoder::new(encoded), most));
         bound::<ZstdCodec>(|encoded, most| read(zstd::stream::read::Decoder::new(encoded)?, most));
         bound::<BloscCodec>(blosc);
     });

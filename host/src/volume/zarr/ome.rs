@@ -9,19 +9,22 @@ use serde_json::{Map, Value, json};
 use super::lines::{ATTRIBUTES, NRRD, field, from_json, is_pair, json_of, pair, to_json};
 use super::node::multiscales;
 use crate::volume::metadata::is_same_name;
-use crate::volume::{Header, HeaderLine, Metadata};
+use crate::volume::{Axis, FileFormat, Header, HeaderLine, Metadata};
 
 /// Key of the pair that keeps the attributes of an image, as JSON.
 const KEY: &str = "ome.attributes";
 
 /// Units in the words of OME-Zarr, and in those that NRRD files use.
-const UNITS: [(&str, &str); 6] = [
+const UNITS: [(&str, &str); 9] = [
     ("millimeter", "mm"),
     ("micrometer", "um"),
     ("nanometer", "nm"),
     ("meter", "m"),
     ("centimeter", "cm"),
     ("kilometer", "km"),
+    ("second", "s"),
+    ("millisecond", "ms"),
+    ("microsecond", "us"),
 ];
 
 /// What an image says of one axis.
@@ -56,15 +59,15 @@ pub(super) fn lines(attributes: &Map<String, Value>, level: usize, header: &Head
             return same.metadata.lines;
         }
     }
-    let mut lines = said(attributes, level);
+    let mut lines = said(attributes, level, &header.metadata.axes);
     let others = kept.into_iter().flatten();
     lines.extend(others.filter(|line| !matches!(line, HeaderLine::Field { .. })));
     lines.push(pair(KEY, &Value::Object(attributes.clone())));
     lines
 }
 
-/// What the attributes say, in NRRD's words.
-fn said(attributes: &Map<String, Value>, level: usize) -> Vec<HeaderLine> {
+/// What the attributes say, in NRRD's words, with entries for these axes.
+fn said(attributes: &Map<String, Value>, level: usize, of: &[Axis]) -> Vec<HeaderLine> {
     let Some(image) = multiscales(attributes) else { return Vec::new() };
     let axes = axes(image, level);
     let mut space: Vec<_> =
@@ -94,6 +97,42 @@ fn said(attributes: &Map<String, Value>, level: usize) -> Vec<HeaderLine> {
     }
     if let Some(name) = image.get("name").and_then(Value::as_str).filter(|name| !name.trim().is_empty()) {
         lines.push(field("content", name.trim().to_owned()));
+    }
+    if of.iter().any(|axis| axis.is_like(Axis::Time(0)))
+        && let Some(time) = axes.iter().find(|axis| axis.is_of("time", "t"))
+    {
+        let mut metadata = Metadata::plain(rank as u8, FileFormat::Zarr);
+        metadata.lines = lines;
+        lines = metadata.lines_for(of);
+        lines.extend(said_of_time(time, of));
+    }
+    lines
+}
+
+/// Whether an image says how far time steps are from each other, or in which unit.
+pub(super) fn tells_time(attributes: &Map<String, Value>, level: usize) -> bool {
+    let axes = multiscales(attributes).map(|image| axes(image, level)).unwrap_or_default();
+    axes.iter().any(|axis| axis.is_of("time", "t") && (axis.scale != 1.0 || axis.axis.get("unit").is_some()))
+}
+
+/// The axes of a data set in the order component, x, y, z, time.
+pub(super) fn in_order(header: &Header) -> Vec<Axis> {
+    let mut axes = header.axes();
+    axes.sort_by_key(|axis| axis.place());
+    axes
+}
+
+/// Distance of time steps, and its unit if there is one.
+fn said_of_time(time: &OmeAxis, of: &[Axis]) -> Vec<HeaderLine> {
+    let unit = time.axis.get("unit").and_then(Value::as_str).map_or("", short).replace('"', "");
+    let entries = |others: &str, own: &str| {
+        let entry =
+            |axis: &Axis| if axis.is_like(Axis::Time(0)) { own.to_owned() } else { others.to_owned() };
+        of.iter().map(entry).collect::<Vec<_>>().join(" ")
+    };
+    let mut lines = vec![field("spacings", entries("nan", &time.scale.to_string()))];
+    if !unit.is_empty() {
+        lines.push(field("units", entries("\"\"", &format!("\"{unit}\""))));
     }
     lines
 }
@@ -162,14 +201,14 @@ pub(super) fn attributes(header: &Header) -> Map<String, Value> {
     ome.insert("multiscales".to_owned(), json!([image]));
     attributes.insert("ome".to_owned(), Value::Object(ome));
     attributes.remove(NRRD);
-    let lines: Vec<_> = header
-        .metadata
-        .lines
-        .iter()
-        .filter(|line| !is_pair(line, KEY) && !is_pair(line, ATTRIBUTES))
-        .collect();
-    if !has_base || !said(&attributes, 0).iter().eq(lines.iter().copied()) {
-        attributes.insert(NRRD.to_owned(), to_json(lines.into_iter()));
+    // With a time step, lines have entries for all axes, in the order that a reader finds.
+    let (mut lines, of) = match header.metadata.time_step() {
+        Some(_) => (header.metadata.lines_for(&in_order(header)), in_order(header)),
+        None => (header.metadata.lines.clone(), header.metadata.axes.clone()),
+    };
+    lines.retain(|line| !is_pair(line, KEY) && !is_pair(line, ATTRIBUTES));
+    if !has_base || said(&attributes, 0, &of) != lines {
+        attributes.insert(NRRD.to_owned(), to_json(lines.iter()));
     }
     attributes
 }
@@ -185,7 +224,15 @@ fn axes_of(header: &Header) -> Vec<OmeAxis> {
     for (kind, name, count) in [("time", "t", header.steps), ("channel", "c", u64::from(header.components))] {
         let known = base.iter().find(|axis| axis.is_of(kind, name)).cloned();
         if count > 1 || known.is_some() {
-            found.push(known.unwrap_or_else(|| OmeAxis::plain(name, kind)));
+            let mut axis = known.unwrap_or_else(|| OmeAxis::plain(name, kind));
+            if let Some(step) = metadata.time_step().filter(|_| kind == "time") {
+                axis.scale = step;
+                let unit = metadata.axis_entry("units", Axis::Time(0)).unwrap_or_default().trim_matches('"');
+                if !unit.is_empty() {
+                    axis.axis["unit"] = json!(long(unit));
+                }
+            }
+            found.push(axis);
         }
     }
     let rank = header.rank().max(2);

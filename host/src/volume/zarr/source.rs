@@ -113,6 +113,9 @@ fn header(
     let mut own = lines::of_attributes(layout.attributes.clone(), layout.names.as_ref());
     if let Some((attributes, level)) = image {
         own.retain(|line| !lines::is_pair(line, lines::NAMES));
+        if ome::tells_time(&attributes, level) && header.steps > 1 {
+            header.metadata.axes = ome::in_order(&header);
+        }
         own.splice(0..0, ome::lines(&attributes, level, &header));
     }
     header.metadata.lines = own;

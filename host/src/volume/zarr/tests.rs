@@ -246,7 +246,7 @@ fn only_zarr_folders_are_replaced() {
     assert_eq!(values_of(&path).unwrap().1, values);
     assert_eq!(fs::read_dir(around.path()).unwrap().count(), 1);
     fs::write(around.path().join("file.zarr"), "").unwrap();
-    assert!(create(&around.path().join("file.zarr"), &header, &WriteOptions::default()).is_err());
+    assert!(create(around.path().join("file.zarr"), &header, &WriteOptions::default()).is_err());
 }
 
 #[test]
