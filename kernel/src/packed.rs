@@ -8,6 +8,9 @@ const WORD: u32 = i32::BITS;
 /// The same, as a length: so many numbers take as many words as each takes bits.
 const ROUND: usize = 32;
 
+/// Whether numbers of 32 bits have code of their own.
+const QUICK_WORDS: bool = !cfg!(feature = "small");
+
 /// Where numbers lie that take the same number of bits, 1 to 32, each beginning where the one before ends, from the
 /// lowest bit of a word up.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,16 +50,34 @@ impl Packed {
     }
 
     /// The number in a place; `None` if it is not all in memory.
-    #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
+    #[inline(always)]
     pub(crate) fn get(self, memory: &[i32], place: usize) -> Option<i32> {
-        let (word, shift) = self.find(place);
-        let low = *memory.get(word)?;
-        let left = WORD.wrapping_sub(self.bits);
-        if left == 0 {
-            return Some(low);
+        if QUICK_WORDS && self.bits == WORD {
+            return memory.get(self.word(place)).copied();
         }
-        let mut bits = low.cast_unsigned().wrapping_shr(shift);
+        self.unpack(memory, place)
+    }
+
+    /// Puts a number in a place; `None` if it takes more bits, or if the place is not in memory.
+    #[inline(always)]
+    pub(crate) fn set(self, memory: &mut [i32], place: usize, number: i32) -> Option<()> {
+        if QUICK_WORDS && self.bits == WORD {
+            *memory.get_mut(self.word(place))? = number;
+            return Some(());
+        }
+        self.pack(memory, place, number)
+    }
+
+    /// The word of a number that takes one.
+    const fn word(self, place: usize) -> usize {
+        self.start.wrapping_add(self.skipped).wrapping_add(place)
+    }
+
+    #[cfg_attr(feature = "small", inline(never))]
+    fn unpack(self, memory: &[i32], place: usize) -> Option<i32> {
+        let (word, shift) = self.find(place);
+        let left = WORD.wrapping_sub(self.bits);
+        let mut bits = memory.get(word)?.cast_unsigned().wrapping_shr(shift);
         if shift > left {
             let high = memory.get(word.wrapping_add(1))?.cast_unsigned();
             bits |= high.wrapping_shl(WORD.wrapping_sub(shift));
@@ -64,21 +85,15 @@ impl Packed {
         Some(bits.wrapping_shl(left).cast_signed().wrapping_shr(left))
     }
 
-    /// Puts a number in a place; `None` if it takes more bits, or if the place is not in memory.
     #[cfg_attr(feature = "small", inline(never))]
-    #[cfg_attr(not(feature = "small"), inline)]
-    pub(crate) fn set(self, memory: &mut [i32], place: usize, number: i32) -> Option<()> {
+    fn pack(self, memory: &mut [i32], place: usize, number: i32) -> Option<()> {
         let (word, shift) = self.find(place);
         let left = WORD.wrapping_sub(self.bits);
-        let low = memory.get_mut(word)?;
-        if left == 0 {
-            *low = number;
-            return Some(());
-        }
         if number.wrapping_shl(left).wrapping_shr(left) != number {
             return None;
         }
         let (mask, bits) = (u32::MAX.wrapping_shr(left), number.cast_unsigned());
+        let low = memory.get_mut(word)?;
         *low = replace(*low, mask.wrapping_shl(shift), bits.wrapping_shl(shift));
         if shift > left {
             let (high, shift) = (memory.get_mut(word.wrapping_add(1))?, WORD.wrapping_sub(shift));
@@ -108,12 +123,8 @@ impl Packed {
     }
 
     /// The word with the lowest bit of a number, and which of its bits that is.
-    #[inline]
     const fn find(self, place: usize) -> (usize, u32) {
         let place = self.skipped.wrapping_add(place);
-        if self.bits == WORD {
-            return (self.start.wrapping_add(place), 0);
-        }
         let bit = place.wrapping_mul(to_usize(self.bits));
         #[expect(clippy::as_conversions, reason = "below 32; what could fail would be code")]
         let shift = (bit % ROUND) as u32;

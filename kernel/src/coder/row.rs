@@ -25,7 +25,7 @@ pub(crate) enum Above {
 
 impl Above {
     /// The magnitudes to the north, the north-north and, if it is asked for, the north-east.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "small"), inline(always))]
     fn look(self, x: usize, east: bool, memory: &[i32]) -> Option<[i32; 3]> {
         let east = east.then(|| x.wrapping_add(1));
         match self {

@@ -154,13 +154,13 @@ impl Inverse {
         let forward = schedule.fronts(level)?;
         let Level { fronts, first, waiting } = self.levels.get_mut(usize::from(level))?;
         let is_single = *waiting == 1 && forward.is_exhausted() && forward.is_odd();
-        let [_, high_of_c] = *first;
+        let places = *first;
         let c = fronts.receive();
         if !is_single {
             fronts.receive();
             *first = shelf.next(*first);
         }
         *waiting = waiting.saturating_sub(1);
-        shelf.assemble(high_of_c, usize::from(c.unsigned_abs() / 2), memory)
+        shelf.assemble(places, usize::from(c.unsigned_abs() / 2), memory)
     }
 }

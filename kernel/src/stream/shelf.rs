@@ -66,10 +66,17 @@ impl Shelf {
         self.row(c.saturating_add(turn(count, place, back)))
     }
 
-    /// The same of parts of rows c that are high along x.
-    fn high_of_c(&self, place: u32, back: usize) -> Packed {
-        let [c, d, count] = self.slots;
-        self.row(c.saturating_add(d)).skip(turn(count, place, back).saturating_mul(self.high()))
+    /// The details of an orientation, 1 to 3, of the pair that lies `back` before the one in these places.
+    #[cfg_attr(feature = "small", inline(never))]
+    fn details(&self, [d, high_of_c]: [u32; 2], orientation: u8, back: usize) -> Packed {
+        let [c, ds, count] = self.slots;
+        match orientation {
+            1 => {
+                self.row(c.saturating_add(ds)).skip(turn(count, high_of_c, back).saturating_mul(self.high()))
+            }
+            2 => self.d(d, back),
+            _ => self.d(d, back).skip(self.low()),
+        }
     }
 
     fn row(&self, slot: usize) -> Packed {
@@ -87,30 +94,27 @@ impl Shelf {
     }
 
     /// The row of an orientation, 1 to 3, to be decoded, of the pair in these places.
-    pub(super) fn band(&self, [d, high_of_c]: [u32; 2], orientation: u8) -> Row {
+    pub(super) fn band(&self, places: [u32; 2], orientation: u8) -> Row {
         let (low, high) = (self.low(), self.high());
-        let row = |orientation, back| match orientation {
-            1 => self.high_of_c(high_of_c, back),
-            2 => self.d(d, back),
-            _ => self.d(d, back).skip(low),
-        };
-        let none = (Packed::default(), 0);
         let (width, before, siblings) = match orientation {
-            1 => (high, 0, [none; 2]),
-            2 => (low, high, [(row(1, 0), high), none]),
-            _ => (high, self.width, [(row(1, 0), high), (row(2, 0), low)]),
+            1 => (high, 0, [0, 0]),
+            2 => (low, high, [high, 0]),
+            _ => (high, self.width, [high, low]),
         };
+        let row = |orientation, back| self.details(places, orientation, back);
         let above = match self.above {
             Some(above) => Above::Kept(above.saturating_add(before)),
             None => Above::Rows([row(orientation, 1), row(orientation, 2)]),
         };
+        let [first, second] = siblings;
+        let siblings = [(row(1, 0), first), (row(2, 0), second)];
         Row { values: row(orientation, 0), width, above, siblings, north: None, is_first: false }
     }
 
-    /// Moves the part that is high along x, in this place, into row c of that number, and returns where that begins.
-    pub(super) fn assemble(&self, place: u32, number: usize, memory: &mut [i32]) -> Option<Packed> {
+    /// Moves the part that is high along x, of the pair in these places, into row c of that number, and returns where that begins.
+    pub(super) fn assemble(&self, places: [u32; 2], number: usize, memory: &mut [i32]) -> Option<Packed> {
         let c = self.c(number);
-        self.high_of_c(place, 0).copy_to(c.skip(self.low()), self.high(), memory)?;
+        self.details(places, 1, 0).copy_to(c.skip(self.low()), self.high(), memory)?;
         Some(c)
     }
 }
