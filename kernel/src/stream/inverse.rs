@@ -124,16 +124,19 @@ impl Inverse {
         schedule: &Schedule,
         memory: &mut [i32],
     ) -> Option<Option<Packed>> {
-        let (passes, shelf) = (self.passes, plan.shelf_at(level));
+        let passes = self.passes;
+        // Where the shelf is takes longer to find than that there is nothing to do.
+        let shelf = || plan.shelf_at(level);
         let forward = schedule.fronts(level)?;
         let level = self.levels.get_mut(usize::from(level))?;
         loop {
             while let Some(change) = level.fronts.advance(passes) {
+                let shelf = shelf();
                 let place = |row| level.row(&shelf, row);
                 lift(plan.wavelet(), Direction::Inverse, (change, shelf.width()), place, memory)?;
             }
             if let Some(row) = level.fronts.take(passes) {
-                return Some(Some(level.row(&shelf, row)));
+                return Some(Some(level.row(&shelf(), row)));
             }
             if level.fronts.is_ended() || level.waiting > 0 || !forward.is_exhausted() {
                 return Some(None);
