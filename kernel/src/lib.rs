@@ -40,6 +40,8 @@ pub mod io;
 pub mod lifting;
 mod memory;
 pub mod metric;
+#[cfg(feature = "stream")]
+mod packed;
 #[cfg(feature = "serde")]
 pub mod record;
 mod sample;

@@ -57,14 +57,15 @@ pub(crate) struct How {
     /// a brick allows, none without a wavelet
     #[arg(long, value_name = "N", default_value = "auto")]
     pub(crate) levels: Levels,
-    /// How hard to try: fast, default, or dense, which is smallest. Any wavelift reads any of them
+    /// How hard to try: fast, default, or dense, which is smallest; or light, for bricks that small processors decode.
+    /// Any wavelift reads any of them
     #[arg(long, value_name = "E", default_value = "default", value_parser = effort_names())]
     pub(crate) effort: Effort,
     #[command(flatten)]
     pub(crate) bound: BoundArgs,
     /// Samples of the bricks that are coded, and can be read, one by one: N along each axis, or XxYxZ
     /// [default: about 2^18 samples, 64x64x64 where no axis is shorter; 2^21 with --effort dense, and within an error
-    /// bound unless --effort is fast]
+    /// bound unless --effort is fast or light]
     #[arg(long, value_name = "N|XxYxZ", value_parser = parse_brick)]
     pub(crate) brick: Option<[u32; 3]>,
     /// Threads to work on; the file is the same for any number [default: one per core]

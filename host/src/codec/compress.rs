@@ -29,7 +29,7 @@ pub struct CompressOptions {
     /// each time step.
     pub tolerance: Option<Tolerance>,
     /// Sides of a brick; `None` for [`Grid::default_sides`] of [`Grid::SMALL_BRICK`], or of [`Grid::LARGE_BRICK`] for
-    /// [`Effort::Dense`] and where samples may move, unless the effort is fast.
+    /// [`Effort::Dense`] and where samples may move, unless the effort is fast or light.
     pub brick: Option<[u32; 3]>,
     /// Threads; `None` for one per core. The bytes do not depend on it.
     pub threads: Option<NonZeroUsize>,

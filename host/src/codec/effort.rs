@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use wavelift_kernel::{Dense, Effort as KernelEffort, Training};
 
 /// How much work a volume is worth. Every effort is decoded by every reader, which need not be told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Effort {
     /// Quickest: tables that suit a whole brick.
     Fast,
@@ -16,11 +16,13 @@ pub enum Effort {
     Default,
     /// Smallest, and slowest both ways: all that the kernel knows, and larger bricks to learn from.
     Dense,
+    /// Few binary decisions a sample, for bricks that small processors decode; with a transform about as small as fast.
+    Light,
 }
 
 impl Effort {
-    /// Every effort, the quickest first.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Default, Self::Dense];
+    /// Every effort: that for small processors, and the others, the quickest first.
+    pub const ALL: [Self; 4] = [Self::Light, Self::Fast, Self::Default, Self::Dense];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
@@ -28,12 +30,13 @@ impl Effort {
             Self::Fast => "fast",
             Self::Default => "default",
             Self::Dense => "dense",
+            Self::Light => "light",
         }
     }
 
     /// Whether lattices, which are trained, are worth their time.
-    pub(super) fn has_lattices(self) -> bool {
-        self > Self::Fast
+    pub(super) const fn has_lattices(self) -> bool {
+        matches!(self, Self::Default | Self::Dense)
     }
 
     /// The ways that a brick is encoded in, of which the shortest is kept.
@@ -42,6 +45,7 @@ impl Effort {
             Self::Fast => &[Way::Tabled],
             Self::Default => &[Way::Wide],
             Self::Dense => &[Way::Adaptive, Way::Dense],
+            Self::Light => &[Way::Light],
         }
     }
 }
@@ -59,6 +63,8 @@ pub(super) enum Way {
     Adaptive,
     /// Under what is learnt from all samples before.
     Dense,
+    /// In binary decisions.
+    Light,
 }
 
 impl Way {
@@ -84,6 +90,7 @@ impl Way {
             Self::Wide => KernelEffort::Wide(training),
             Self::Adaptive => KernelEffort::Default(training),
             Self::Dense => KernelEffort::Dense(dense, training),
+            Self::Light => KernelEffort::Light,
         }
     }
 }
@@ -103,7 +110,7 @@ impl fmt::Display for Effort {
 
 /// A name that is no effort's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no effort: give fast, default or dense")]
+#[error("'{0}' is no effort: give light, fast, default or dense")]
 pub struct UnknownEffort(String);
 
 impl FromStr for Effort {
@@ -126,7 +133,7 @@ mod tests {
         }
         assert_eq!(
             "slow".parse::<Effort>().unwrap_err().to_string(),
-            "'slow' is no effort: give fast, default or dense"
+            "'slow' is no effort: give light, fast, default or dense"
         );
         assert_eq!(Effort::default(), Effort::Default);
     }

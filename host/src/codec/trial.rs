@@ -139,6 +139,7 @@ impl Trial<'_> {
             (effort, _) if self.error > 0.0 => effort,
             (Effort::Dense, _) | (Effort::Default, Some(_)) => Effort::Default,
             (Effort::Default | Effort::Fast, _) => Effort::Fast,
+            (Effort::Light, _) => Effort::Light,
         };
         let tried = Coding { effort, ..coding.clone() };
         let lengths = pieces.iter().map(|Piece { sides, bytes }| {

@@ -307,7 +307,7 @@ typedef struct wavelift_step {
 
 #define WAVELIFT_ROW_CODEC_WORDS 791
 #define WAVELIFT_ROW_ENCODER_WORDS 160
-#define WAVELIFT_ROW_DECODER_WORDS 240
+#define WAVELIFT_ROW_DECODER_WORDS 256
 
 /* Models of both directions: 6,328 bytes. */
 typedef struct wavelift_row_codec {
@@ -319,7 +319,7 @@ typedef struct wavelift_row_encoder {
     uint64_t opaque[WAVELIFT_ROW_ENCODER_WORDS];
 } wavelift_row_encoder;
 
-/* A decoder at work: 1,920 bytes. */
+/* A decoder at work: 2,048 bytes. */
 typedef struct wavelift_row_decoder {
     uint64_t opaque[WAVELIFT_ROW_DECODER_WORDS];
 } wavelift_row_decoder;

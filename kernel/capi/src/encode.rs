@@ -1,13 +1,34 @@
 //! Encoding.
 
-use wavelift_kernel::{Codec, Effort, Near};
+use wavelift_kernel::{Codec, Effort, Lattice, Near, max_encoded_len};
 
 use crate::error::code;
 use crate::lent::Loan;
+use crate::plan::length;
 use crate::{
     WaveliftCodec, WaveliftDense, WaveliftError, WaveliftLattice, WaveliftLent, WaveliftPlan,
     WaveliftTraining,
 };
+
+/// Bytes that suffice for any codestream of a plan.
+///
+/// # Safety
+/// `plan` is NULL or points to a plan.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_max_encoded_len(plan: *const WaveliftPlan) -> usize {
+    // SAFETY: the same promise.
+    unsafe { length(plan, |plan| Ok(max_encoded_len(plan.extent()?, plan.sample_type()?).unwrap_or(0))) }
+}
+
+/// Elements of scratch that `wavelift_encode_near` takes.
+///
+/// # Safety
+/// `plan` is NULL or points to a plan.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_near_scratch_len(plan: *const WaveliftPlan) -> usize {
+    // SAFETY: the same promise.
+    unsafe { length(plan, |plan| Ok(Lattice::encoding_scratch_len(plan.extent()?))) }
+}
 
 /// What every encoder is lent.
 struct Lent<'a> {
@@ -162,4 +183,22 @@ pub unsafe extern "C" fn wavelift_encode_near(
         Ok(())
     };
     code(encode())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_the_kernels_and_0_for_no_plan() {
+        let plan = WaveliftPlan { extent: [16, 8, 1], wavelet: 4, levels: 2, sample_type: 0 };
+        let lengths = |plan: *const WaveliftPlan| {
+            // SAFETY: NULL, or a plan.
+            [wavelift_max_encoded_len, wavelift_near_scratch_len].map(|of| unsafe { of(plan) })
+        };
+        let near = Lattice::encoding_scratch_len(plan.extent().unwrap());
+        assert_eq!(lengths(&plan), [128 + 26, near]);
+        assert_eq!(lengths(&WaveliftPlan { extent: [0; 3], ..plan }), [0; 2]);
+        assert_eq!(lengths(core::ptr::null()), [0; 2]);
+    }
 }

@@ -38,7 +38,7 @@ pub use decode::{wavelift_decode, wavelift_decode_dense, wavelift_decode_near};
 #[cfg(feature = "encode")]
 pub use encode::{
     wavelift_encode, wavelift_encode_dense, wavelift_encode_light, wavelift_encode_near,
-    wavelift_encode_tabled,
+    wavelift_encode_tabled, wavelift_max_encoded_len, wavelift_near_scratch_len,
 };
 pub use error::{WaveliftError, wavelift_error_name};
 pub use header::{
@@ -47,8 +47,8 @@ pub use header::{
 };
 pub use lent::WaveliftLent;
 pub use plan::{
-    WaveliftPlan, wavelift_dense_scratch_len, wavelift_max_encoded_len, wavelift_max_levels,
-    wavelift_near_scratch_len, wavelift_plan_check, wavelift_samples_len, wavelift_scratch_len,
+    WaveliftPlan, wavelift_dense_scratch_len, wavelift_max_levels, wavelift_plan_check, wavelift_samples_len,
+    wavelift_scratch_len,
 };
 #[cfg(feature = "rows")]
 pub use rows::{

@@ -1,6 +1,6 @@
 //! Plans of C, and the lengths of what must be lent for them.
 
-use wavelift_kernel::{Dense, Extent, Lattice, Plan, SampleType, Wavelet, max_encoded_len};
+use wavelift_kernel::{Dense, Extent, Plan, SampleType, Wavelet};
 
 use crate::WaveliftError;
 use crate::error::code;
@@ -81,7 +81,7 @@ fn number<T: PartialEq>(all: &[T], one: Option<T>, first: u8) -> u8 {
 ///
 /// # Safety
 /// `plan` is NULL or points to a plan.
-unsafe fn length(
+pub(crate) unsafe fn length(
     plan: *const WaveliftPlan,
     of: impl FnOnce(WaveliftPlan) -> Result<usize, WaveliftError>,
 ) -> usize {
@@ -117,16 +117,6 @@ pub unsafe extern "C" fn wavelift_samples_len(plan: *const WaveliftPlan) -> usiz
     unsafe { length(plan, |plan| Ok(plan.extent()?.samples())) }
 }
 
-/// Bytes that suffice for any codestream of a plan.
-///
-/// # Safety
-/// `plan` is NULL or points to a plan.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn wavelift_max_encoded_len(plan: *const WaveliftPlan) -> usize {
-    // SAFETY: the same promise.
-    unsafe { length(plan, |plan| Ok(max_encoded_len(plan.extent()?, plan.sample_type()?).unwrap_or(0))) }
-}
-
 /// Elements of scratch that `wavelift_encode` and `wavelift_decode` take.
 ///
 /// # Safety
@@ -145,16 +135,6 @@ pub unsafe extern "C" fn wavelift_scratch_len(plan: *const WaveliftPlan) -> usiz
 pub unsafe extern "C" fn wavelift_dense_scratch_len(plan: *const WaveliftPlan) -> usize {
     // SAFETY: the same promise.
     unsafe { length(plan, |plan| Ok(Dense::scratch_len(&plan.check()?))) }
-}
-
-/// Elements of scratch that `wavelift_encode_near` takes.
-///
-/// # Safety
-/// `plan` is NULL or points to a plan.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn wavelift_near_scratch_len(plan: *const WaveliftPlan) -> usize {
-    // SAFETY: the same promise.
-    unsafe { length(plan, |plan| Ok(Lattice::encoding_scratch_len(plan.extent()?))) }
 }
 
 #[cfg(test)]
@@ -188,11 +168,10 @@ mod tests {
     fn lengths_are_the_kernels_and_0_for_no_plan() {
         let lengths = |plan: *const WaveliftPlan| {
             // SAFETY: NULL, or a plan.
-            [wavelift_samples_len, wavelift_scratch_len, wavelift_max_encoded_len]
-                .map(|of| unsafe { of(plan) })
+            [wavelift_samples_len, wavelift_scratch_len].map(|of| unsafe { of(plan) })
         };
-        assert_eq!(lengths(&PLAN), [128, PLAN.check().unwrap().scratch_len(), 128 + 26]);
-        assert_eq!(lengths(&WaveliftPlan { extent: [0; 3], ..PLAN }), [0; 3]);
-        assert_eq!(lengths(core::ptr::null()), [0; 3]);
+        assert_eq!(lengths(&PLAN), [128, PLAN.check().unwrap().scratch_len()]);
+        assert_eq!(lengths(&WaveliftPlan { extent: [0; 3], ..PLAN }), [0; 2]);
+        assert_eq!(lengths(core::ptr::null()), [0; 2]);
     }
 }

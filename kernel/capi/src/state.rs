@@ -108,7 +108,7 @@ session! {
 #[cfg(feature = "rows")]
 session! {
     /// Memory of [`RowDecoder`]: `wavelift_row_decoder`.
-    WaveliftRowDecoder(240) of RowDecoder<'static>, b"wRowsDec"
+    WaveliftRowDecoder(256) of RowDecoder<'static>, b"wRowsDec"
 }
 #[cfg(feature = "rows")]
 session! {

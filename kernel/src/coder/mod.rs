@@ -46,7 +46,7 @@ pub(crate) use memory::Memory;
 pub(crate) use predictor::Predictor;
 pub(crate) use residual::Models;
 #[cfg(feature = "stream")]
-pub(crate) use row::{Cursor, MOST_BYTES, Row};
+pub(crate) use row::{Above, Cursor, MOST_BYTES, Row};
 #[cfg(feature = "stream")]
 pub(crate) use row_models::RowModels;
 pub(crate) use scan::{Coefficients, scratch_len};

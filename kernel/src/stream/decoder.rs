@@ -1,6 +1,5 @@
 //! The decoder of rows.
 
-use super::bands::Place;
 use super::chunks::ChunkReader;
 use super::inverse::Inverse;
 use super::outgoing::Outgoing;
@@ -58,7 +57,7 @@ impl<'a> RowDecoder<'a> {
     ///
     /// # Errors
     /// [`LengthError`] if `memory` is too short; nothing has changed then.
-    #[expect(clippy::large_stack_frames, reason = "the lint counts every copy; the decoder has 1,720 bytes")]
+    #[expect(clippy::large_stack_frames, reason = "the lint counts every copy; the decoder has 1,844 bytes")]
     pub fn new(plan: &RowPlan, codec: &'a mut RowCodec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
         let layout = plan.layout(Role::Decoder);
         at_least(Slice::Scratch, layout.total, memory.len())?;
@@ -140,14 +139,11 @@ impl<'a> RowDecoder<'a> {
 
     /// Makes the next row come out, if enough is known.
     fn pull(&mut self) -> bool {
-        if !self.inverse.pull(&self.plan, &self.schedule, self.memory) {
-            return false;
-        }
         let plan = self.plan;
-        if self.outgoing().is_inside(&plan) {
-            self.left = plan.width_at(0);
-        } else {
-            self.error = Some(Malformed::Sample.into());
+        match self.inverse.pull(&plan, self.layout, &self.schedule, self.memory) {
+            Some(false) => return false,
+            Some(true) if self.outgoing().is_inside(&plan) => self.left = plan.width_at(0),
+            _ => self.error = Some(Malformed::Sample.into()),
         }
         true
     }
@@ -173,7 +169,7 @@ impl<'a> RowDecoder<'a> {
                 Event::Row => Phase::Announce,
                 Event::Done => Phase::EndStrip { is_last: true },
             })),
-            Phase::Code(pair, orientation, cursor) => Ok(Some(self.code(pair, orientation, cursor))),
+            Phase::Code(pair, orientation, cursor) => self.code(pair, orientation, cursor).map(Some),
             Phase::EndStrip { is_last } => self.end_strip(is_last),
             Phase::Done => Ok(Some(Phase::Done)),
         }
@@ -202,7 +198,7 @@ impl<'a> RowDecoder<'a> {
         Phase::Next
     }
 
-    fn code(&mut self, pair: Option<Pair>, orientation: u8, mut cursor: Cursor) -> Phase {
+    fn code(&mut self, pair: Option<Pair>, orientation: u8, mut cursor: Cursor) -> Result<Phase, Malformed> {
         let row = self.row(pair, orientation);
         let is_whole = self.reader.is_whole();
         let mut decoder = Decoder::resume(self.coder, self.reader.waiting());
@@ -210,39 +206,38 @@ impl<'a> RowDecoder<'a> {
         let models = self.codec.models(pair.map(|pair| pair.level), orientation);
         let is_done = cursor.code(&mut decoder, models, &row, self.memory, has_enough);
         self.put_back(decoder.suspend());
-        if !is_done {
-            return Phase::Code(pair, orientation, cursor);
+        if !is_done.ok_or(Malformed::Sample)? {
+            return Ok(Phase::Code(pair, orientation, cursor));
         }
         let Some(pair) = pair.filter(|_| orientation > 0) else {
             self.has_low = true;
             self.inverse.receive();
-            return Phase::Next;
+            return Ok(Phase::Next);
         };
         let last = if pair.d.is_some() { 3 } else { 1 };
         if orientation < last {
-            return Phase::Code(Some(pair), orientation.wrapping_add(1), Cursor::default());
+            return Ok(Phase::Code(Some(pair), orientation.wrapping_add(1), Cursor::default()));
         }
         self.inverse.wait(pair.level);
         let coarser = pair.level.wrapping_add(1);
         if coarser == self.plan.levels() {
-            return Phase::Code(Some(pair), 0, Cursor::default());
+            return Ok(Phase::Code(Some(pair), 0, Cursor::default()));
         }
         self.schedule.receive(coarser);
-        Phase::Next
+        Ok(Phase::Next)
     }
 
     /// The row of an orientation; of 0, that of the low-pass part.
     fn row(&self, pair: Option<Pair>, orientation: u8) -> Row {
         match pair {
             Some(Pair { level, .. }) if orientation > 0 => {
-                let place = Place::new(&self.plan, Role::Decoder, level);
-                place.band(place.waiting(self.inverse.next_waiting(level)), orientation)
+                let shelf = self.plan.shelf_at(level);
+                shelf.band(self.inverse.next_waiting(level), orientation)
             }
             _ => {
                 let Layout { north, above, low_row, .. } = self.layout;
                 let width = self.plan.width_at(self.plan.levels());
-                let (north, is_first) = (Some(north), !self.has_low);
-                Row { values: low_row, width, above, north, is_first, ..Row::default() }
+                Row::of_low_pass((low_row, width), above, north, !self.has_low)
             }
         }
     }

@@ -8,7 +8,6 @@ use super::schedule::{Event, Pair, Schedule};
 use super::{MORE, RowCodec, RowError, Status, Step};
 use crate::coder::{Coder, Cursor, Interval, Row};
 use crate::error::at_least;
-use crate::lifting::Direction;
 use crate::memory::copy;
 use crate::{LengthError, Slice};
 
@@ -162,7 +161,7 @@ impl<'a> RowEncoder<'a> {
     }
 
     fn place(&self, level: u8) -> Place {
-        Place::new(&self.plan, Role::Encoder, level)
+        self.plan.rows_at(level)
     }
 
     /// Does what comes next; there is room for the bytes of a coefficient.
@@ -202,13 +201,13 @@ impl<'a> RowEncoder<'a> {
     fn receive(&mut self, level: u8) {
         let place = self.place(level);
         let row = place.row(self.schedule.receive(level));
-        lift_row(&self.plan, Direction::Forward, self.layout.scratch, (row, place.width), self.memory);
+        lift_row(&self.plan, self.layout.scratch, (row, place.width), self.memory);
     }
 
     fn next(&mut self) -> Phase {
         match self.schedule.next() {
             Event::Change(level, change) => {
-                self.place(level).change(Direction::Forward, change, self.memory);
+                self.place(level).change(change, self.memory);
                 Phase::Next
             }
             Event::Pair(pair) => Phase::Code(Some(pair), 1, Cursor::default()),
@@ -222,7 +221,8 @@ impl<'a> RowEncoder<'a> {
         let row = self.row(pair, orientation);
         let has_room = |coder: &Interval<ChunkWriter>| coder.peek().has_room();
         let models = self.codec.models(pair.map(|pair| pair.level), orientation);
-        if !cursor.code(&mut self.coder, models, &row, self.memory, has_room) {
+        // All of a row is in memory, and words hold every coefficient.
+        if cursor.code(&mut self.coder, models, &row, self.memory, has_room) == Some(false) {
             return Phase::Code(pair, orientation, cursor);
         }
         let Some(pair) = pair.filter(|_| orientation > 0) else {
@@ -257,7 +257,7 @@ impl<'a> RowEncoder<'a> {
     fn low_row(&self, values: usize) -> Row {
         let Layout { north, above, .. } = self.layout;
         let width = self.plan.width_at(self.plan.levels());
-        Row { values, width, above, north: Some(north), is_first: !self.has_low, ..Row::default() }
+        Row::of_low_pass((values, width), above, north, !self.has_low)
     }
 }
 

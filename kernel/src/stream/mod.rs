@@ -17,7 +17,9 @@ mod inverse;
 mod outgoing;
 mod plan;
 mod schedule;
+mod shelf;
 mod slabs;
+mod spread;
 #[cfg(test)]
 mod total;
 

@@ -1,6 +1,8 @@
 //! What a stream of rows is made of, and the memory that it takes.
 
-use super::fronts::{forward_rows, inverse_rows, lag};
+use super::bands::Place;
+use super::fronts::lag;
+use super::shelf::Shelf;
 use crate::extent::to_usize;
 use crate::transform::row_scratch_len;
 use crate::{Extent, Feature, PlanError, SampleType, Wavelet};
@@ -115,7 +117,9 @@ impl RowPlan {
     ///
     /// A row comes back when the last one that its coefficients depend on has gone in; until then those of the finer
     /// levels wait, on the first of L levels for a (2^(L-1) - 1) pairs of rows, a being 1 for psi_H, 3 for psi_1, 4 for
-    /// psi_Q, 5 for psi_3, 7 for psi_5 and 8 for psi_D.
+    /// psi_Q, 5 for psi_3, 7 for psi_5 and 8 for psi_D. They wait in as many bits as they can need: for three levels and
+    /// samples of 16 bits in 9 1/2 elements a column for psi_H, 15 1/8 for psi_1 and at most 36 1/2; `docs/stream.md` has
+    /// the table.
     #[must_use]
     pub const fn decoder_memory_len(&self) -> usize {
         self.layout(Role::Decoder).total
@@ -136,54 +140,55 @@ impl RowPlan {
         let scratch = if self.levels == 0 { 0 } else { row_scratch_len(columns) };
         let north = scratch;
         let above = north.saturating_add(low);
-        let low_row = above.saturating_add(low);
-        let total = low_row.saturating_add(low);
-        let mut layout = Layout { scratch, north, above, low_row, first_level: total, total };
-        let mut level = 0;
-        while level < self.levels {
-            layout.total = layout.total.saturating_add(self.level_len(role, level));
-            level = level.wrapping_add(1);
-        }
+        let end = above.saturating_add(low);
+        // A decoder has no coefficient before it is decoded, so a row can take the place of the one above.
+        let (low_row, first_level) = match role {
+            Role::Encoder => (end, end.saturating_add(low)),
+            Role::Decoder => (north, end),
+        };
+        let mut layout = Layout { scratch, north, above, low_row, first_level, total: first_level };
+        layout.total = self.level_start(role, self.levels, first_level);
         layout
     }
 
-    /// `i32`s that a level takes.
-    const fn level_len(&self, role: Role, level: u8) -> usize {
-        let width = self.width_at(level);
-        let details = width.saturating_add(width / 2);
-        width
-            .saturating_mul(self.rows(role))
-            .saturating_add(details)
-            .saturating_add(details.saturating_mul(self.held(role, level)))
-    }
-
-    /// Rows of a level that the transform along y works on.
-    pub(super) const fn rows(&self, role: Role) -> usize {
-        match role {
-            Role::Encoder => forward_rows(self.wavelet),
-            Role::Decoder => inverse_rows(self.wavelet),
+    /// Where a level begins in memory, if the first begins at `start`; after the last level, where memory ends.
+    const fn level_start(&self, role: Role, level: u8, mut start: usize) -> usize {
+        let mut finer = 0;
+        while finer < level {
+            let len = match role {
+                Role::Encoder => Place::new(self, finer, start).len(),
+                Role::Decoder => {
+                    let (_, len) = Shelf::new(self, finer, start);
+                    len
+                }
+            };
+            start = start.saturating_add(len);
+            finer = finer.wrapping_add(1);
         }
+        start
     }
 
-    /// Pairs of rows of details that may wait on a level.
-    pub(super) const fn held(&self, role: Role, level: u8) -> usize {
-        match role {
-            Role::Encoder => 0,
-            Role::Decoder => {
-                let coarser = self.levels.saturating_sub(level).saturating_sub(1);
-                let rows = match 1_usize.checked_shl(level_bits(coarser)) {
-                    Some(rows) => rows.saturating_sub(1),
-                    None => usize::MAX,
-                };
-                rows.saturating_mul(lag(self.wavelet)).saturating_add(1)
-            }
-        }
+    /// The rows of a level in the memory of an encoder.
+    pub(super) const fn rows_at(&self, level: u8) -> Place {
+        let first = self.layout(Role::Encoder).first_level;
+        Place::new(self, level, self.level_start(Role::Encoder, level, first))
     }
 
-    /// Where a level begins in memory: first its rows, then what is kept of rows above, then details that wait.
-    pub(super) fn level_start(&self, role: Role, level: u8) -> usize {
-        let before = (0..level).map(|level| self.level_len(role, level));
-        before.fold(self.layout(role).first_level, usize::saturating_add)
+    /// The rows of a level in the memory of a decoder.
+    pub(super) const fn shelf_at(&self, level: u8) -> Shelf {
+        let first = self.layout(Role::Decoder).first_level;
+        let (shelf, _) = Shelf::new(self, level, self.level_start(Role::Decoder, level, first));
+        shelf
+    }
+
+    /// Pairs of rows of details that may wait on a level of a decoder.
+    pub(super) const fn held(&self, level: u8) -> usize {
+        let coarser = self.levels.saturating_sub(level).saturating_sub(1);
+        let rows = match 1_usize.checked_shl(level_bits(coarser)) {
+            Some(rows) => rows.saturating_sub(1),
+            None => usize::MAX,
+        };
+        rows.saturating_mul(lag(self.wavelet)).saturating_add(1)
     }
 }
 

@@ -215,10 +215,10 @@ fn help_and_version_are_at_hand() {
 #[test]
 fn efforts_are_told_and_read_alike() {
     let folder = compressed();
-    for effort in ["fast", "default", "dense"] {
+    for effort in ["light", "fast", "default", "dense"] {
         folder.run(&format!("compress in.nrrd {effort}.wlift --effort {effort}")).silent();
         assert_eq!(folder.run(&format!("info {effort}.wlift --json")).json()["effort"], effort);
         folder.run(&format!("verify {effort}.wlift in.nrrd")).ok();
     }
-    folder.run("compress in.nrrd b.wlift --effort slow").fails(2, &["slow", "fast, default, dense"]);
+    folder.run("compress in.nrrd b.wlift --effort slow").fails(2, &["slow", "light, fast, default, dense"]);
 }

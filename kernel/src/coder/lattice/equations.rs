@@ -152,13 +152,58 @@ const fn index(row: usize, column: usize) -> usize {
     (row.wrapping_mul(row.wrapping_add(1)) / 2).wrapping_add(column)
 }
 
-/// `a` / `b` with [`SOLUTION_BITS`] of fraction.
+/// `a` / `b` with [`SOLUTION_BITS`] of fraction, toward 0; 0 if that is no `i64`, or `b` is 0.
+///
+/// Bit by bit: a division of 128 bits is long code where processors have none.
 fn quotient(a: i64, b: i64) -> i64 {
-    let quotient = (i128::from(a) << SOLUTION_BITS).checked_div(b.into()).unwrap_or(0);
-    i64::try_from(quotient).unwrap_or(0)
+    let divisor = b.unsigned_abs();
+    let (Some(whole), Some(mut rest)) =
+        (a.unsigned_abs().checked_div(divisor), a.unsigned_abs().checked_rem(divisor))
+    else {
+        return 0;
+    };
+    if whole >> (u64::BITS - SOLUTION_BITS) != 0 {
+        return 0;
+    }
+    let mut quotient = whole;
+    for _ in 0..SOLUTION_BITS {
+        // The rest is below the divisor, and so at most 2^63 - 1.
+        (rest, quotient) = (rest << 1, quotient << 1);
+        if rest >= divisor {
+            (rest, quotient) = (rest.wrapping_sub(divisor), quotient | 1);
+        }
+    }
+    let signed = if a.signum() == b.signum() {
+        quotient.cast_signed()
+    } else {
+        0_u64.wrapping_sub(quotient).cast_signed()
+    };
+    // A quotient beyond 2^63 comes out with the other sign.
+    if signed.signum() == a.signum().wrapping_mul(b.signum()) { signed } else { 0 }
 }
 
 /// `a` `b`, where `a` has [`SOLUTION_BITS`] of fraction.
 fn product(a: i64, b: i64) -> i64 {
     i64::try_from(i128::from(a).wrapping_mul(b.into()) >> SOLUTION_BITS).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotients_are_those_of_128_bits() {
+        let expected = |a: i64, b: i64| {
+            let quotient = (i128::from(a) << SOLUTION_BITS).checked_div(b.into()).unwrap_or(0);
+            i64::try_from(quotient).unwrap_or(0)
+        };
+        let ends = [0, 1, 3, i64::MAX >> 40, i64::MAX >> 17, i64::MAX / 3, i64::MAX - 1, i64::MAX, i64::MIN];
+        let values = || ends.into_iter().chain((0..63).map(|bits| 0x5DEE_CE66_D1A4_B087 >> bits));
+        let values = || values().flat_map(|value: i64| [value, value.wrapping_neg(), value.wrapping_add(1)]);
+        for a in values() {
+            for b in values() {
+                assert_eq!(quotient(a, b), expected(a, b), "{a} / {b}");
+            }
+        }
+    }
 }

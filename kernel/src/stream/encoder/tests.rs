@@ -39,7 +39,8 @@ fn coefficients(rows: &RowPlan, plan: &Plan, samples: &[i32]) -> Samples {
             Phase::Done => return found,
             Phase::Code(pair, orientation, cursor) if cursor.is_first() => {
                 let row = encoder.row(pair, orientation);
-                let values = &encoder.memory[row.values..row.values + row.width];
+                let values: Samples =
+                    (0..row.width).map(|x| row.values.get(encoder.memory, x).unwrap()).collect();
                 let level = pair.map_or(0, |pair| pair.level);
                 let number = &mut coded[usize::from(level)][usize::from(orientation)];
                 let resolution = if orientation == 0 { 0 } else { plan.levels().saturating_sub(level) };
@@ -48,7 +49,7 @@ fn coefficients(rows: &RowPlan, plan: &Plan, samples: &[i32]) -> Samples {
                     let mut subbands = plan.subbands(resolution);
                     let subband = subbands.find(|subband| subband.orientation == orientation).unwrap();
                     let start = subband.row(plan, *number, 0);
-                    found[start..start + row.width].copy_from_slice(values);
+                    found[start..start + row.width].copy_from_slice(&values);
                 }
                 *number += 1;
             }
