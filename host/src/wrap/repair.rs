@@ -20,9 +20,9 @@ const ATTEMPTS: [(usize, usize); 3] = [(0, 10), (1, 20), (3, 40)];
 const EASED: [usize; 4] = [1, 2, 3, 5];
 /// Attempts after that, on the surface or off it.
 const LOOSE: [(usize, usize); 3] = [(1, 30), (3, 40), (5, 60)];
-/// A cluster of more faces than this is no fold, but a part that has found the wrong sheet of the surface: it may come to be
-/// placed another way.
-const LARGEST: usize = 500;
+/// After wrapping, a cluster of more faces than this is no fold, but a part that has found the wrong sheet of the surface: it
+/// may come to be placed another way.
+pub(super) const LARGEST: usize = 500;
 /// Attempts on what is left in the end.
 const STUBBORN: [(usize, usize, Manner); 5] = [
     (1, 60, Manner { fair: 0.1, leash: 1.0, ..LET_GO }),
@@ -34,14 +34,14 @@ const STUBBORN: [(usize, usize, Manner); 5] = [
 
 /// Turns faces back where possible; counts of inverted faces before and after.
 ///
-/// Clusters of folds are mended in parallel, each by itself, so that the result does not depend on threads.
+/// Clusters of folds, of `most` faces at most, are mended in parallel, each by itself, so that the result does not depend on threads.
 /// Cost: two passes over the mesh, and about 10 µs a sweep for each vertex around a fold.
-pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal) -> [Inverted; 2] {
+pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal, most: usize) -> [Inverted; 2] {
     let (bad, before) = quality::inverted(level, space, goal, LEAST_CORNER);
     if bad.is_empty() {
         return [before; 2];
     }
-    Mending { level, space, goal, most: LARGEST }.all(bad);
+    Mending { level, space, goal, most }.all(bad);
     [before, quality::inverted(level, space, goal, SOUND).1]
 }
 
@@ -137,7 +137,7 @@ mod tests {
                 Point::new(32.0, 32.0, 0.0) + level.positions[vertex] * Point::new(-1.0, -1.0, 1.0);
         }
         let kept = level.positions.clone();
-        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance));
+        let [before, after] = repair(&mut level, &space, &Goal::new(Target::Distance), usize::MAX);
         assert!(before.corners > 10, "{before:?}");
         assert!(after.corners < before.corners, "{after:?}");
         assert!(level.positions.iter().all(|place| (place.distance(middle) - 11.0).abs() < 0.15));

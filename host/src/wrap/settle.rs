@@ -77,7 +77,7 @@ impl<'a> Settling<'a> {
             };
             level.positions = (0..places.len()).into_par_iter().map(moved).collect();
         }
-        repair(level, space, goal);
+        repair(level, space, goal, usize::MAX);
         for (vertex, place) in level.positions.iter_mut().enumerate().filter(|(vertex, _)| !placed[*vertex]) {
             *place = positions[vertex];
         }
