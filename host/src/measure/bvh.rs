@@ -113,6 +113,13 @@ impl Bvh {
         best
     }
 
+    /// Which way the closest triangle faces, if its squared distance is below `limit_squared` and it has an area.
+    pub fn facing(&self, point: Point, limit_squared: f64) -> Option<Point> {
+        let place = self.search(point, limit_squared, &mut None)?;
+        let [a, b, c] = self.triangles[place].0;
+        (b - a).cross(c - a).try_normalize()
+    }
+
     /// The closest point for each of many, in order; faster for points that are near those before them.
     ///
     /// Cost: parallel; the result does not depend on the number of threads.
@@ -256,6 +263,15 @@ fn enclose(boxes: &mut [Bounds], triangles: &[Triangle]) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn triangles_face_along_their_normals() {
+        let positions = vec![Point::ZERO, Point::X, Point::Y, Point::Z];
+        let tree = Bvh::new(&TriangleMesh { positions, triangles: vec![[0, 1, 2], [0, 3, 3]] });
+        assert_eq!(tree.facing(Point::new(0.2, 0.2, -0.1), 1.0), Some(Point::Z));
+        assert_eq!(tree.facing(Point::new(0.2, 0.2, -0.1), 0.001), None);
+        assert_eq!(tree.facing(Point::new(0.0, 0.0, 2.0), 4.0), None);
+    }
 
     /// Random triangles in the unit cube, some of them large, some without area.
     fn soup(count: u32) -> TriangleMesh {

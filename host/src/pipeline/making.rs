@@ -8,7 +8,7 @@ use super::{BuildError, BuildOptions, Stage, target};
 use crate::field::ScalarField;
 use crate::mesh::{PolygonMesh, TriangleMesh};
 use crate::simplify::{BaseMesh, Constraints, Target, base_mesh};
-use crate::wrap::{self, Lines, Settling, WrapOptions, Wrapped, wrap};
+use crate::wrap::{self, Lines, Settling, WrapOptions, Wrapped};
 
 /// Where it does not fit, the base mesh becomes finer around places farther than this, or …
 const OFF: f64 = 0.25;
@@ -70,16 +70,12 @@ impl Making<'_> {
         // Collapses do not lead sharp edges back to themselves.
         self.constraints.recorded = self.constraints.features.edges.is_empty();
         let mut care = Care::none(self.contour);
-        let BuildOptions { error, growth, rounds: more, .. } = *self.options;
-        let error = error * aim.cell;
-        let mut planned = self.planned(
-            &care,
-            Target { error, ..target(self.contour, self.options.share)? },
-            growth / FIRST,
-        )?;
+        let BuildOptions { share, error, growth, rounds: more, .. } = *self.options;
+        let first = Target { error: error * aim.cell, ..target(self.contour, share)? };
+        let mut planned = self.planned(&care, first, growth / FIRST)?;
         care.reach(planned.base.mesh.positions.len());
-        let (mut best, mut rounds, mut least): (Option<Fitted>, Vec<Round>, _) =
-            (None, Vec::new(), [f64::MAX; 2]);
+        let mut best: Option<Fitted> = None;
+        let (mut rounds, mut least) = (Vec::new(), [f64::MAX; 2]);
         let mut splits = None;
         let end = loop {
             done(Stage::Base);
@@ -114,7 +110,46 @@ impl Making<'_> {
             }
             planned = next;
         };
-        best.map(|best| (best, Rounds { made: rounds, end })).ok_or(BuildError::Empty)
+        let mut best = best.ok_or(BuildError::Empty)?;
+        let mut rounds = Rounds { made: rounds, end };
+        if more > 0 && best.fit.rms() > RMS * unit && self.may_split(&planned) {
+            planned.levels += 1;
+            let next = self.made(&aim, &planned)?.0;
+            done(Stage::Wrap);
+            rounds.made.push(next.round());
+            let [found, least] = [&next, &best].map(|one| excesses(&one.fit, unit));
+            rounds.end = if found == [1.0; 2] { End::Fits } else { rounds.end };
+            best = if is_better(found, least) { next } else { best };
+        }
+        if best.wrapped.report.inverted.corners > 0 {
+            best = self.untangled(&aim, best)?;
+            done(Stage::Wrap);
+        }
+        Ok((best, rounds))
+    }
+
+    /// Whether a base mesh that was split less often than asked for, so that the finest mesh is not much finer than the
+    /// target, may be split once more where nothing else is left to do.
+    fn may_split(&self, planned: &Planned) -> bool {
+        let vertices = planned.base.mesh.positions.len() as f64 * f64::from(of_face(planned.levels + 1));
+        planned.levels < self.options.levels && vertices <= MANY
+    }
+
+    /// Turns faces back that are turned over, unless the surface no longer fits then.
+    fn untangled(&self, aim: &Aim, mut fitted: Fitted) -> Result<Fitted, BuildError> {
+        let Fitted { base, wrapped, fit } = &mut fitted;
+        let levels = wrapped.surface.levels;
+        let before = (wrapped.surface.positions.clone(), wrapped.report.clone());
+        let lines = self.lines();
+        Settling::new(base, levels, self.distance, &self.wrapping(aim, levels, lines.as_ref()))?
+            .untangled(wrapped);
+        let after = aim.measure(&wrapped.surface.level(levels)).fit;
+        if after.rms() <= fit.rms().max(RMS * self.unit(aim)) {
+            *fit = after;
+        } else {
+            (wrapped.surface.positions, wrapped.report) = before;
+        }
+        Ok(fitted)
     }
 
     /// The base mesh that care asks for, and how often it can be split within what the finest mesh may have.
@@ -152,22 +187,26 @@ impl Making<'_> {
     /// Makes a surface over a base mesh, and measures it.
     fn made(&self, aim: &Aim, planned: &Planned) -> Result<(Fitted, Measured), BuildError> {
         let Planned { base, levels } = planned;
-        let lines = self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features));
+        let lines = self.lines();
+        let options = self.wrapping(aim, *levels, lines.as_ref());
+        let mut wrapped = wrap::wrap(&base.mesh, self.distance, &options)?;
+        let measured = self.settled(aim, base, &mut wrapped, &options)?;
+        let fitted = Fitted { base: base.mesh.clone(), wrapped, fit: measured.fit.clone() };
+        Ok((fitted, measured))
+    }
+
+    /// What the sharp edges of a base mesh are attracted to.
+    fn lines(&self) -> Option<Lines> {
+        self.field.is_none().then(|| Lines::of_mesh(self.contour, &self.constraints.features))
+    }
+
+    /// How a surface is wrapped.
+    fn wrapping<'a>(&'a self, aim: &'a Aim, levels: u32, lines: Option<&'a Lines>) -> WrapOptions<'a> {
         let target = match self.field {
             Some((field, isovalue)) => wrap::Target::Isosurface(field, isovalue.into()),
             None => wrap::Target::Triangles(&aim.tree),
         };
-        let options = WrapOptions {
-            levels: *levels,
-            tolerance: self.options.tolerance,
-            target,
-            lines: lines.as_ref(),
-            ..WrapOptions::default()
-        };
-        let mut wrapped = wrap(&base.mesh, self.distance, &options)?;
-        let measured = self.settled(aim, base, &mut wrapped, &options)?;
-        let fitted = Fitted { base: base.mesh.clone(), wrapped, fit: measured.fit.clone() };
-        Ok((fitted, measured))
+        WrapOptions { levels, tolerance: self.options.tolerance, target, lines, ..WrapOptions::default() }
     }
 
     /// Measures a surface; where it does not fit, components are placed another way, and vertices are drawn to crests.

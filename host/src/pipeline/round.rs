@@ -29,10 +29,13 @@ impl Display for Round {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let Self { base, levels, vertices, rms, most } = self;
         let (rms, most) = (100.0 * rms, 100.0 * most);
-        write!(
-            formatter,
-            "base of {base} vertices, split {levels} times to {vertices}: {rms:.2} % rms, {most:.0} % at most"
-        )
+        let times = match levels {
+            0 => "not split,".to_owned(),
+            1 => format!("split once to {vertices}:"),
+            2 => format!("split twice to {vertices}:"),
+            _ => format!("split {levels} times to {vertices}:"),
+        };
+        write!(formatter, "base of {base} vertices, {times} {rms:.2} % rms, {most:.0} % at most")
     }
 }
 

@@ -23,7 +23,8 @@ pub(super) struct Cluster {
     pub(super) numbers: Vec<u32>,
     /// Faces of each vertex that may move.
     pub(super) faces_of: Vec<Vec<u32>>,
-    /// Edge neighbours of each vertex that may move: on a crease, only those along it; none where it is fixed.
+    /// Edge neighbours of each vertex that may move: on a crease or an edge of the box, only those along it; none where it
+    /// is fixed.
     pub(super) neighbours: Vec<Vec<u32>>,
     /// The sides of the box that vertices are held to.
     pub(super) sides: Vec<Sides>,
@@ -121,6 +122,10 @@ fn cut(level: &Level, marked: &[bool], faces: &[u32]) -> Cluster {
         let ends = match level.rings.kind(vertex as usize) {
             Kind::Smooth => level.rings.neighbours(vertex as usize).to_vec(),
             Kind::Crease(ends) => ends.to_vec(),
+            // Along an edge of the box.
+            Kind::Fixed if level.sides[vertex as usize].count() == 2 => {
+                level.rings.ends(vertex as usize).to_vec()
+            }
             Kind::Fixed => Vec::new(),
         };
         ends.iter().map(|&end| number(end)).collect()

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::goal::Goal;
 use super::level::{Level, Space};
-use super::repair::repair;
+use super::repair::{LARGEST, repair};
 use super::report::{LevelReport, WrapReport, misfit};
 use super::{Target, WrapError, WrapOptions};
 use crate::mesh::{Point, PolygonMesh};
@@ -55,7 +55,7 @@ impl<'a> Fit<'a> {
             missed = level.attract(&self.space, self.options);
             missed = level.lead(&self.space, &goal, &missed, self.options.reach);
         }
-        let [inverted_before, inverted] = repair(level, &self.space, &goal);
+        let [inverted_before, inverted] = repair(level, &self.space, &goal, LARGEST);
         let centre = |face: usize| {
             let corners = level.faces.get(face);
             corners.iter().map(|&corner| level.positions[corner as usize]).sum::<Point>()
@@ -80,6 +80,6 @@ impl<'a> Fit<'a> {
         }
         let goal = Goal::new(self.options.target);
         level.approach(&self.space, &goal, self.options.reach);
-        repair(level, &self.space, &goal);
+        repair(level, &self.space, &goal, LARGEST);
     }
 }

@@ -19,6 +19,8 @@ const RETURNS: usize = 4;
 const LONGEST_WAY: f64 = 2.0;
 /// What is left of the way down where it has led to the surface, in cells.
 const THERE: f64 = 1e-2;
+/// The length of the gradient of the distance where a sheet of the surface is alone.
+const STEEP: f64 = 0.9;
 /// How much farther a triangle may be than the zero of the distance field, in cells.
 const FARTHER: f64 = 1.0;
 
@@ -66,15 +68,28 @@ impl<'a> Goal<'a> {
         Some(Descent { field, value, reach, cell: space.cell })
     }
 
-    /// Which way the surface near a vertex of a mesh faces, whose normal is a unit vector: as the isosurface does there, or
-    /// else as the distance says ([`Space::outwards`]), which tells less where sheets are close.
+    /// Which way the surface near a vertex of a mesh faces, whose normal is a unit vector: as the isosurface or the triangle
+    /// does there, or else as the distance says ([`Space::outwards`]), which tells less where sheets are close.
     pub(super) fn outwards(&self, point: Point, normal: Point, space: &Space) -> Point {
         match self {
             Self::Isosurface(field, _) => {
                 (-field.sample_clamped_with_gradient(point).1).try_normalize().unwrap_or(normal)
             }
-            _ => space.outwards(point, normal),
+            Self::Triangles(triangles) => {
+                let gradient = space.distance.sample_clamped_with_gradient(point).1;
+                if gradient.length() > STEEP {
+                    return gradient;
+                }
+                let limit = self.limit(point, space);
+                triangles.facing(point, limit * limit).unwrap_or(normal)
+            }
+            Self::Distance => space.outwards(point, normal),
         }
+    }
+
+    /// How far the surface is at most, as a length, by what the distance field says.
+    fn limit(&self, point: Point, space: &Space) -> f64 {
+        (space.distance_in_cells(point) + FARTHER) * space.cell
     }
 
     /// A point of the surface near a point, or a point nearer to it, at most `reach` away, and on the same sides of the box.
@@ -85,7 +100,7 @@ impl<'a> Goal<'a> {
         let mut place = point;
         if let Self::Triangles(triangles) = self {
             for _ in 0..if sides.count() > 0 { RETURNS } else { 1 } {
-                let limit = reach.min((space.distance_in_cells(place) + FARTHER) * space.cell);
+                let limit = reach.min(self.limit(place, space));
                 let closest = triangles.closest_within(place, limit * limit);
                 place = space.border.hold(sides, closest.map_or(place, |closest| closest.point));
             }

@@ -17,6 +17,7 @@ mod fit;
 mod goal;
 mod level;
 mod lines;
+mod patient;
 mod quality;
 mod refine;
 mod relax;

@@ -104,7 +104,7 @@ impl Rings {
     }
 
     /// First and last entry of a row.
-    fn ends(&self, vertex: usize) -> [u32; 2] {
+    pub(super) fn ends(&self, vertex: usize) -> [u32; 2] {
         let row = self.row(vertex);
         [row[0], row[row.len() - 1]]
     }
