@@ -3,16 +3,16 @@
 use super::forecast::{Forecast, RowMemory, Weights};
 use super::predictor::Predictor;
 use super::taps::{Planes, Taps};
-use super::train::{ROUNDS, Training};
+use super::train::Training;
 use super::weightless::{Fixed, FixedRow, RowsBefore};
 use crate::Feature;
 use crate::transform::{Plan, Subband};
 
-/// Coefficients of the low-pass part that weights are trained on.
-const LESSONS: usize = 1 << 13;
+/// Coefficients of the low-pass part that weights are trained on, at first and in the end.
+const LESSONS: [usize; 2] = [1 << 12, 1 << 13];
 
 /// Of a subband of details.
-const LESSONS_OF_DETAILS: usize = 1 << 11;
+const LESSONS_OF_DETAILS: [usize; 2] = [1 << 10, 1 << 11];
 
 /// Coefficients that predictors are compared on, about: of larger subbands only every so many rows.
 const COMPARED: usize = 1 << 12;
@@ -74,7 +74,7 @@ impl Choosing<'_> {
             let Some(taps) = Taps::new(self.plan, self.subband, planes) else { return Weights::ZERO };
             count = count.saturating_add(u64::try_from(taps.weights()).unwrap_or(0));
             let lessons = if taps.is_low_pass() { LESSONS } else { LESSONS_OF_DETAILS };
-            training.train(&taps, self.coefficients, self.scratch, [lessons; ROUNDS])
+            training.train(&taps, self.coefficients, self.scratch, lessons)
         });
         (Predictor::Trained(first, rest), count)
     }

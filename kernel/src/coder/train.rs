@@ -10,7 +10,7 @@ use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
 use crate::extent::to_usize;
 
 /// Times that the weights are trained: coefficients that the last found hard to predict count less.
-pub(super) const ROUNDS: usize = 2;
+const ROUNDS: usize = 2;
 
 /// Neighbouring coefficients whose equations are set up together.
 const LANES: usize = 32;
