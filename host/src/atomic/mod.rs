@@ -56,8 +56,8 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// When the folder is missing or not writable, `path` is a folder or a read-only file, links lead in a circle, or a device cannot be
-    /// opened.
+    /// When the folder is missing or not writable, `path` is a folder or a read-only file, links lead in a circle, or a
+    /// device cannot be opened.
     pub fn create(path: &Path) -> io::Result<Self> {
         let path = behind_links(path)?;
         if is_direct(&path) {

@@ -122,11 +122,16 @@ pub fn append(
 ) -> Result<Report, CompressError> {
     let head = container.head().clone();
     refuse_others(&head, source.header())?;
-    let (written, index, summaries) = container.for_appending()?;
-    container.copy(0..written, out)?;
-    let records = (&head, container.metadata()?);
-    let writer = Writer::resumed(out, written, index, summaries, records)?;
+    let writer = resumed(container, out)?;
     Compressor::new(head, options)?.run(source, writer, progress)
+}
+
+/// A copy of a container that takes more steps.
+pub(super) fn resumed<W: Write>(container: &Container, mut out: W) -> Result<Writer<W>, CompressError> {
+    let (written, index, summaries) = container.for_appending()?;
+    container.copy(0..written, &mut out)?;
+    let records = (container.head(), container.metadata()?);
+    Ok(Writer::resumed(out, written, index, summaries, records)?)
 }
 
 /// What is the same for every time step.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bytemuck::cast_slice;
 
-use super::compress::{Compressor, head, refuse_others};
+use super::compress::{Compressor, head, refuse_others, resumed};
 use super::content::{Head, Step};
 use super::file::at;
 use super::supply::Gathered;
@@ -95,12 +95,7 @@ impl<'a> StepWriter<'a> {
     ) -> Result<Self, CompressError> {
         let container = Container::open(&path)?;
         refuse_others(container.head(), header)?;
-        let begin = |mut file| {
-            let (written, index, summaries) = container.for_appending()?;
-            container.copy(0..written, &mut file)?;
-            let records = (container.head(), container.metadata()?);
-            Ok(Writer::resumed(file, written, index, summaries, records)?)
-        };
+        let begin = |file| resumed(&container, file);
         Self::begin(path.as_ref(), container.head(), options, (progress, &begin))
     }
 

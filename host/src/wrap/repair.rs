@@ -34,7 +34,8 @@ const STUBBORN: [(usize, usize, Manner); 5] = [
 
 /// Turns faces back where possible; counts of inverted faces before and after.
 ///
-/// Clusters of folds, of `most` faces at most, are mended in parallel, each by itself, so that the result does not depend on threads.
+/// Clusters of folds, of `most` faces at most, are mended in parallel, each by itself, so that the result does not depend
+/// on threads.
 /// Cost: two passes over the mesh, and about 10 µs a sweep for each vertex around a fold.
 pub(super) fn repair(level: &mut Level, space: &Space, goal: &Goal, most: usize) -> [Inverted; 2] {
     let (bad, before) = quality::inverted(level, space, goal, LEAST_CORNER);
