@@ -161,10 +161,11 @@ fn serve(server: &Server, verdicts: &mpsc::Sender<String>) -> Vec<String> {
         let path = request.url().split('?').next().unwrap_or_default().trim_start_matches('/').to_owned();
         let answered = if path == REPORT {
             let mut verdict = String::new();
-            let read = request.as_reader().read_to_string(&mut verdict).map(drop);
+            let read = request.as_reader().read_to_string(&mut verdict);
+            let answered = read.and_then(|_| request.respond(Response::empty(204)));
             // Who waits may have given up.
             drop(verdicts.send(verdict));
-            read.and_then(|()| request.respond(Response::empty(204)))
+            answered
         } else if let Some(response) = file(&path) {
             request.respond(response)
         } else {

@@ -1,6 +1,6 @@
 //! How often tokens come, by class.
 
-use super::tables::{CLASS_SLOTS, Tables};
+use super::tables::{CLASS_SLOTS, LOW_BITS, Tables};
 use super::token::DIRECT;
 use crate::extent::to_usize as index;
 
@@ -14,7 +14,7 @@ type First = [[u16; index(DIRECT)]; CLASS_SLOTS];
 const LANES: usize = if cfg!(feature = "small") { 0 } else { 4 };
 
 /// None overflows before it carries.
-const _: () = assert!((1 << 15) + 2 * PIECE < 1 << 16);
+const _: () = assert!((1 << LOW_BITS) + 2 * PIECE <= 1 << u16::BITS);
 
 /// Counts on their way to tables.
 pub(super) struct Counts<'a> {

@@ -28,7 +28,7 @@ const NUMBER_BITS: u32 = 6;
 const COUNT_BITS: u32 = 19;
 
 /// Low ones among them.
-const LOW_BITS: u32 = 15;
+pub(super) const LOW_BITS: u32 = 15;
 
 /// All of these set.
 const LOW: u16 = (1 << LOW_BITS) - 1;

@@ -34,6 +34,7 @@ impl Columns {
             });
             let products = products.fold(i32x8::ZERO, |sum, products| sum + products).to_array();
             let add = |(sum, product): (&mut i64, i32)| *sum = sum.wrapping_add(product.into());
+            // The same, but of a length that is known all are added at once.
             match sums.first_chunk_mut::<ROWS>() {
                 Some(sums) => sums.iter_mut().zip(products).for_each(add),
                 None => sums.iter_mut().zip(products).for_each(add),
