@@ -18,11 +18,26 @@ const LANES: usize = 32;
 /// Differences are brought down so that the usual one has this many bits, and limited to [`LARGEST`].
 const USUAL_BITS: u32 = 8;
 
-/// The largest difference: the sum of [`LANES`] products of two does not overflow.
-const LARGEST: i32 = (1 << 13) - 1;
+/// Bits of the largest difference: the sum of [`LANES`] products of two does not overflow.
+const LARGEST_BITS: u32 = 13;
 
-/// Bits of a difference as large as the mean of those around it.
-const NORMAL_BITS: u32 = 7;
+/// The largest difference.
+const LARGEST: i32 = (1 << LARGEST_BITS) - 1;
+
+/// Bits of a difference as large as the residual is expected to be.
+const NORMAL_BITS: u32 = 6;
+
+/// Fraction bits of sizes that residuals are expected to have.
+const SIZE_BITS: u32 = 4;
+
+/// What is added to those sizes, as fractions of the usual difference: 2^-1 at first, 2^-3 where residuals are known.
+const LEAST_BITS: [u32; ROUNDS] = [1, 3];
+
+/// Fraction bits of the share that each of some differences has in their mean.
+const SHARE_BITS: u32 = 12;
+
+/// Fraction bits of the factors of differences.
+const FACTOR_FRACTION_BITS: u32 = 8;
 
 /// Bits that the entries of the diagonal are brought to before the equations are solved, or one less.
 const ENTRY_BITS: i32 = 30;
@@ -34,7 +49,7 @@ const RIDGE_BITS: u32 = 13;
 const RIDGE_MIN_BITS: u32 = 10;
 
 /// Fraction bits of the factors and of the solution.
-const FACTOR_BITS: i32 = 18;
+const FACTOR_BITS: i32 = 22;
 
 /// Those of the solution beyond the weights', but one for rounding.
 const EXCESS_BITS: i32 = FACTOR_BITS - FRACTION_BITS.cast_signed() - 1;
@@ -55,6 +70,18 @@ pub struct Training {
     neighbours: [[i16; LANES]; WEIGHTS],
     /// The coefficients themselves.
     targets: [i16; LANES],
+}
+
+/// One of the times that weights are trained.
+struct Round<'a> {
+    /// Coefficients that are learnt from, about, and at most of one row.
+    lessons: usize,
+    /// By how many bits differences are brought down.
+    shift: u32,
+    /// What is added to the sizes that residuals are expected to have, in 1/2^[`SIZE_BITS`].
+    least: i32,
+    /// The weights so far.
+    weights: Option<&'a [i16]>,
 }
 
 impl Training {
@@ -84,15 +111,22 @@ impl Training {
         let [width, ..] = taps.subband.sides;
         let rows = |lessons: usize| rows(taps).take(lessons.div_ceil(width.max(1)));
         let [.., most] = lessons;
-        let shift = usual_bits(taps, coefficients, rows(most)).saturating_sub(USUAL_BITS);
+        let usual = usual_size(taps, coefficients, rows(most));
+        let shift = u64::BITS.wrapping_sub(usual.leading_zeros()).saturating_sub(USUAL_BITS);
         let mut weights = Weights::ZERO;
-        for (round, lessons) in lessons.into_iter().enumerate() {
+        for ((number, lessons), least_bits) in lessons.into_iter().enumerate().zip(LEAST_BITS) {
             self.matrix.fill(0);
             self.right.fill(0);
             let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
-            let known = (round > 0).then_some(&*used);
+            let least = (usual << SIZE_BITS >> shift >> least_bits).wrapping_add(1 << (SIZE_BITS - 1));
+            let round = Round {
+                lessons,
+                shift,
+                least: i32::try_from(least).unwrap_or(i32::MAX),
+                weights: (number > 0).then_some(&*used),
+            };
             for place in rows(lessons) {
-                self.add_row(taps, coefficients, (place, lessons), (shift, known), scratch);
+                self.add_row(taps, coefficients, place, &round, scratch);
             }
             self.solve(used);
         }
@@ -103,7 +137,7 @@ impl Training {
         weights
     }
 
-    /// Adds the coefficients of one row, so many at most.
+    /// Adds the coefficients of one row.
     #[expect(
         clippy::large_stack_frames,
         reason = "the lint counts every copy of an iterator; the frame is far smaller"
@@ -112,8 +146,8 @@ impl Training {
         &mut self,
         taps: &Taps,
         coefficients: &[i32],
-        (place, most): ([usize; 2], usize),
-        (shift, weights): (u32, Option<&[i16]>),
+        place: [usize; 2],
+        round: &Round<'_>,
         scratch: &mut [i32],
     ) -> Option<()> {
         let width = taps.row_len();
@@ -125,14 +159,14 @@ impl Training {
         pad(row, width, own, |coefficient| coefficient);
         own.get_mut(..REACH)?.fill(if taps.is_low_pass() { reference.unwrap_or(0) } else { 0 });
         let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
-        for start in (0..width.min(most)).step_by(LANES) {
+        for start in (0..width.min(round.lessons)).step_by(LANES) {
             self.neighbours.as_flattened_mut().fill(0);
             self.targets.fill(0);
             let west = own.get(start.wrapping_add(REACH - 1)..)?;
             let lanes = width.wrapping_sub(start).min(LANES);
             let reference = if taps.is_low_pass() { west } else { &[] };
             let fill = |slots: &mut [i16; LANES], values: &[i32], reference: &[i32]| {
-                differences(slots.get_mut(..lanes).unwrap_or(&mut []), values, reference, shift);
+                differences(slots.get_mut(..lanes).unwrap_or(&mut []), values, reference, round.shift);
             };
             fill(&mut self.targets, row.get(start..)?, reference);
             let of_west = if taps.is_low_pass() { 1 } else { 0 };
@@ -159,13 +193,14 @@ impl Training {
                     fill(slots, row.coefficients.get(start..)?, nearer);
                 }
             }
-            self.add_block(taps.weights(), weights);
+            self.add_block(taps.weights(), round);
         }
         Some(())
     }
 
-    /// Adds a block of coefficients, each of which counts inversely to the size of its residual under the `weights` so
-    /// far, or at first to the mean size of its differences: a few edges must not outweigh everything else.
+    /// Adds a block of coefficients, each of which counts inversely to the square of the size that its residual is expected
+    /// to have. What a residual costs is how large it is beside those around it, so a few edges, or the noise of a bright
+    /// part, must not outweigh everything else.
     #[cfg_attr(
         feature = "vectors",
         expect(
@@ -173,54 +208,70 @@ impl Training {
             reason = "on computers, which alone have vectors, that is little"
         )
     )]
-    fn add_block(&mut self, count: usize, weights: Option<&[i16]>) {
-        let factors = match weights {
-            Some(weights) => self.residual_factors(weights),
-            None => self.difference_factors(count),
+    fn add_block(&mut self, count: usize, round: &Round<'_>) {
+        let sizes = match round.weights {
+            Some(weights) => self.residuals_around(weights),
+            None => self.mean_differences(count),
         };
-        let columns = Columns::new(self.neighbours.get(..count).unwrap_or(&[]));
-        let rows = self.neighbours.iter().zip(&mut self.right).take(count);
-        for (r, (row, right)) in rows.enumerate() {
-            let mut weighted = [0_i16; LANES];
-            for ((weighted, &difference), factor) in weighted.iter_mut().zip(row).zip(factors) {
-                *weighted = low_half(i32::from(difference).wrapping_mul(factor).wrapping_add(128) >> 8);
-            }
+        self.normalise(count, sizes.map(|size| size.wrapping_add(round.least)));
+        let neighbours = self.neighbours.get(..count).unwrap_or(&[]);
+        let columns = Columns::new(neighbours);
+        for (r, (row, right)) in neighbours.iter().zip(&mut self.right).enumerate() {
             let entries = self.matrix.get_mut(index(r, 0)..=index(r, r)).unwrap_or(&mut []);
-            columns.add_products(&weighted, entries);
-            *right = right.wrapping_add(dot(&weighted, &self.targets).into());
+            columns.add_products(row, entries);
+            *right = right.wrapping_add(dot(row, &self.targets).into());
         }
     }
 
-    /// Factors, in 1/256, that bring the differences of a coefficient to a mean of 2^[`NORMAL_BITS`].
-    fn difference_factors(&self, count: usize) -> [i32; LANES] {
+    /// The mean size of the differences of each coefficient, in 1/2^[`SIZE_BITS`].
+    fn mean_differences(&self, count: usize) -> [i32; LANES] {
         let mut sizes = [0_i32; LANES];
         for row in self.neighbours.iter().take(count) {
             for (size, &difference) in sizes.iter_mut().zip(row) {
                 *size = size.wrapping_add(i32::from(difference).wrapping_abs());
             }
         }
-        let count = i32::try_from(count).unwrap_or(1);
-        let unit = (count << NORMAL_BITS) << 8;
-        sizes.map(|size| unit.checked_div(size.wrapping_add(count)).unwrap_or(0))
+        let of_each = i32::try_from(count).ok().and_then(|count| (1_i32 << SHARE_BITS).checked_div(count));
+        sizes.map(|size| size.wrapping_mul(of_each.unwrap_or(0)) >> (SHARE_BITS - SIZE_BITS))
     }
 
-    /// Factors, in 1/256, inverse to the residuals, but none that makes a difference larger than [`LARGEST`].
-    fn residual_factors(&self, weights: &[i16]) -> [i32; LANES] {
+    /// The mean size of the residuals around each coefficient under `weights`, in 1/2^[`SIZE_BITS`].
+    fn residuals_around(&self, weights: &[i16]) -> [i32; LANES] {
         let mut residuals = self.targets.map(|target| i32::from(target) << FRACTION_BITS);
-        let mut largest = [1_i16; LANES];
         for (row, &weight) in self.neighbours.iter().zip(weights) {
-            for ((residual, largest), &difference) in residuals.iter_mut().zip(&mut largest).zip(row) {
+            // If it were not hidden, several rows would be taken at once, element by element.
+            let weight = if cfg!(feature = "small") { weight } else { core::hint::black_box(weight) };
+            for (residual, &difference) in residuals.iter_mut().zip(row) {
                 *residual = residual.wrapping_sub(i32::from(difference).wrapping_mul(weight.into()));
+            }
+        }
+        let sizes = residuals.map(|residual| residual.wrapping_abs() >> (FRACTION_BITS - SIZE_BITS));
+        sums_of_three(&sums_of_three(&sizes)).map(|sum| sum >> 3)
+    }
+
+    /// Brings the differences of each coefficient to units of its size, given in 1/2^[`SIZE_BITS`], which gets
+    /// [`NORMAL_BITS`]; or only as far as none of them becomes larger than [`LARGEST`].
+    fn normalise(&mut self, count: usize, sizes: [i32; LANES]) {
+        const UNIT: i32 = 1 << (NORMAL_BITS + SIZE_BITS + FACTOR_FRACTION_BITS);
+        let neighbours = self.neighbours.get_mut(..count).unwrap_or(&mut []);
+        let mut largest = [1_i16; LANES];
+        for row in neighbours.iter().chain([&self.targets]) {
+            for (largest, &difference) in largest.iter_mut().zip(row) {
                 *largest = difference.wrapping_abs().max(*largest);
             }
         }
         let mut factors = [0_i32; LANES];
-        for ((factor, residual), largest) in factors.iter_mut().zip(residuals).zip(largest) {
-            let size = (residual.wrapping_abs() >> FRACTION_BITS).wrapping_add(1);
-            let most = (LARGEST << 8).checked_div(largest.into()).unwrap_or(0);
-            *factor = (1_i32 << (NORMAL_BITS + 8)).checked_div(size).unwrap_or(0).min(most);
+        for ((factor, size), largest) in factors.iter_mut().zip(sizes).zip(largest) {
+            let least = (i32::from(largest) << SIZE_BITS >> (LARGEST_BITS - NORMAL_BITS)).wrapping_add(1);
+            *factor = UNIT.checked_div(size.max(least)).unwrap_or(0);
         }
-        factors
+        for row in neighbours.iter_mut().chain([&mut self.targets]) {
+            for (difference, factor) in row.iter_mut().zip(factors) {
+                let product = i32::from(*difference).wrapping_mul(factor);
+                *difference =
+                    low_half(product.wrapping_add(1 << (FACTOR_FRACTION_BITS - 1)) >> FACTOR_FRACTION_BITS);
+            }
+        }
     }
 
     /// Solves the leading equations for as many weights: elimination, then substitution, in fixed point.
@@ -319,6 +370,20 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
     }
 }
 
+/// The sum of each size and those beside it; beyond an end stands the end again.
+fn sums_of_three(sizes: &[i32; LANES]) -> [i32; LANES] {
+    let mut sums = *sizes;
+    let (Some((first, after)), Some((last, before))) = (sizes.split_first(), sizes.split_last()) else {
+        return sums;
+    };
+    let add = |(sum, size): (&mut i32, &i32)| *sum = sum.wrapping_add(*size);
+    sums.iter_mut().zip(after).for_each(add);
+    sums.iter_mut().skip(1).zip(before).for_each(add);
+    sums.first_mut().into_iter().zip([first]).for_each(add);
+    sums.last_mut().into_iter().zip([last]).for_each(add);
+    sums
+}
+
 /// The sum of products.
 #[inline(always)]
 fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
@@ -379,8 +444,8 @@ fn rows(taps: &Taps) -> impl Iterator<Item = [usize; 2]> {
     })
 }
 
-/// Bits of the mean difference of neighbours in a row, or of the mean coefficient in a subband of details.
-fn usual_bits(taps: &Taps, coefficients: &[i32], rows: impl Iterator<Item = [usize; 2]>) -> u32 {
+/// The mean size of differences of neighbours in a row, or of coefficients in a subband of details.
+fn usual_size(taps: &Taps, coefficients: &[i32], rows: impl Iterator<Item = [usize; 2]>) -> u64 {
     let (mut sum, mut count) = (0_u64, 0_u64);
     for row in rows.filter_map(|place| taps.own_row(coefficients, place)) {
         for pair in row.array_windows::<2>() {
@@ -390,8 +455,7 @@ fn usual_bits(taps: &Taps, coefficients: &[i32], rows: impl Iterator<Item = [usi
             count = count.wrapping_add(1);
         }
     }
-    let mean = divided_unsigned(sum, count);
-    mean.checked_ilog2().map_or(0, |octave| octave.wrapping_add(1))
+    divided_unsigned(sum, count)
 }
 
 /// The row of plane `deep` at the same y.
@@ -478,6 +542,32 @@ mod tests {
             let expected = if i == 5 { 128 } else { 0 };
             assert!((i32::from(weight) - expected).abs() < 40, "{:?}", weights.0);
         }
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
+    fn a_noisy_half_does_not_outweigh_a_quiet_one() {
+        // To the left there is but noise, to the right every sample is N and little of it.
+        let plan = Plan::new(Wavelet::Haar, Extent::slice(64, 63).unwrap(), 0).unwrap();
+        let mut samples: heapless::Vec<i32, 4032> = heapless::Vec::new();
+        let mut seed = 1;
+        samples.extend((0..64).map(|_| noise(&mut seed) / 16));
+        for i in 64..4032 {
+            let noise = noise(&mut seed);
+            samples.push(if i % 64 < 32 { noise / 2 } else { samples[i - 64] + noise / 64 }).unwrap();
+        }
+        let weights = trained(&plan, Planes::First, &samples);
+        // N, NN and NNN; of noise alone, it would be the mean of all that is known.
+        assert!(weights.0[5] + weights.0[11] + weights.0[15] > 180, "{:?}", weights.0);
+    }
+
+    #[test]
+    fn ends_stand_for_sizes_beyond() {
+        let mut sizes = [0; LANES];
+        (sizes[0], sizes[2], sizes[LANES - 1]) = (5, 7, 11);
+        let sums = sums_of_three(&sizes);
+        assert_eq!(sums[..5], [10, 12, 7, 7, 0]);
+        assert_eq!(sums[LANES - 3..], [0, 11, 22]);
     }
 
     #[test]

@@ -20,7 +20,10 @@ const LARGEST: i16 = (1 << (CODED_BITS - 1)) - 1;
 const LARGEST_SUM: u32 = 1 << 14;
 
 /// Samples that weights are trained on, at first and in the end.
-const LESSONS: [usize; 2] = [1 << 11, 1 << 12];
+const LESSONS: [usize; 2] = [1 << 11, 3 << 11];
+
+/// Those of the first plane of a brick, for which it is not worth more.
+const LESSONS_OF_FIRST: [usize; 2] = [1 << 9, 1 << 10];
 
 /// Half of the last bit that is rounded away.
 const HALF: i32 = 1 << (FRACTION_BITS - 1);
@@ -58,9 +61,11 @@ impl Wide {
         scratch: &mut [i32],
     ) -> Option<Self> {
         let mut wide = Self::new(extent, span)?;
-        for number in 0..2 {
+        let [_, _, depth] = extent.sides();
+        for (number, lessons) in [LESSONS_OF_FIRST, LESSONS].into_iter().enumerate() {
             let Some(taps) = wide.taps(number) else { continue };
-            let mut learnt = training.train(&taps, samples, scratch, LESSONS);
+            let lessons = if depth == 1 { LESSONS } else { lessons };
+            let mut learnt = training.train(&taps, samples, scratch, lessons);
             learnt.0.iter_mut().for_each(|weight| *weight = (*weight).clamp(-LARGEST, LARGEST));
             if let Some(slot) = wide.weights.get_mut(number)
                 && are_small(&learnt)
