@@ -33,9 +33,6 @@ const SIZE_BITS: u32 = 4;
 /// What is added to those sizes, as fractions of the usual difference: 2^-1 at first, 2^-3 where residuals are known.
 const LEAST_BITS: [u32; ROUNDS] = [1, 3];
 
-/// Fraction bits of the share that each of some differences has in their mean.
-const SHARE_BITS: u32 = 12;
-
 /// Fraction bits of the factors of differences.
 const FACTOR_FRACTION_BITS: u32 = 8;
 
@@ -54,8 +51,11 @@ const FACTOR_BITS: i32 = 22;
 /// Those of the solution beyond the weights', but one for rounding.
 const EXCESS_BITS: i32 = FACTOR_BITS - FRACTION_BITS.cast_signed() - 1;
 
-/// Entries of a triangular matrix.
-const ENTRIES: usize = WEIGHTS * (WEIGHTS + 1) / 2;
+/// Neighbours, and the coefficients themselves behind them.
+const ROWS: usize = WEIGHTS + 1;
+
+/// Entries of a triangular matrix of their products.
+const ENTRIES: usize = ROWS * (ROWS + 1) / 2;
 
 /// The golden section of 2^32.
 const GOLDEN: u32 = 0x9E37_79B9;
@@ -63,13 +63,10 @@ const GOLDEN: u32 = 0x9E37_79B9;
 /// The memory in which an encoder trains predictors, of fixed size.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Training {
-    /// Entry (r, c), c <= r, of the symmetric matrix of the normal equations, row by row.
+    /// Entry (r, c), c <= r, of the symmetric matrix of the normal equations, row by row; behind them their right sides.
     matrix: [i64; ENTRIES],
-    right: [i64; WEIGHTS],
-    /// The neighbours of some coefficients, by weight.
-    neighbours: [[i16; LANES]; WEIGHTS],
-    /// The coefficients themselves.
-    targets: [i16; LANES],
+    /// The neighbours of some coefficients, by weight; behind those in use the coefficients themselves.
+    rows: [[i16; LANES]; ROWS],
 }
 
 /// One of the times that weights are trained.
@@ -87,12 +84,7 @@ struct Round<'a> {
 impl Training {
     /// Memory that can be the value of a `static`.
     #[cfg_attr(feature = "trained", expect(clippy::large_stack_arrays, reason = "evaluated by the compiler"))]
-    pub const NEW: Self = Self {
-        matrix: [0; ENTRIES],
-        right: [0; WEIGHTS],
-        neighbours: [[0; LANES]; WEIGHTS],
-        targets: [0; LANES],
-    };
+    pub const NEW: Self = Self { matrix: [0; ENTRIES], rows: [[0; LANES]; ROWS] };
 
     /// `i32`s of scratch that training takes for rows of `width`.
     pub(super) const fn scratch_len(width: usize) -> usize {
@@ -113,16 +105,15 @@ impl Training {
         let [.., most] = lessons;
         let usual = usual_size(taps, coefficients, rows(most));
         let shift = u64::BITS.wrapping_sub(usual.leading_zeros()).saturating_sub(USUAL_BITS);
+        let usual = i32::try_from(usual >> shift).unwrap_or(0) << SIZE_BITS;
         let mut weights = Weights::ZERO;
         for ((number, lessons), least_bits) in lessons.into_iter().enumerate().zip(LEAST_BITS) {
             self.matrix.fill(0);
-            self.right.fill(0);
             let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
-            let least = (usual << SIZE_BITS >> shift >> least_bits).wrapping_add(1 << (SIZE_BITS - 1));
             let round = Round {
                 lessons,
                 shift,
-                least: i32::try_from(least).unwrap_or(i32::MAX),
+                least: (usual >> least_bits).wrapping_add(1 << (SIZE_BITS - 1)),
                 weights: (number > 0).then_some(&*used),
             };
             for place in rows(lessons) {
@@ -160,17 +151,16 @@ impl Training {
         own.get_mut(..REACH)?.fill(if taps.is_low_pass() { reference.unwrap_or(0) } else { 0 });
         let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
         for start in (0..width.min(round.lessons)).step_by(LANES) {
-            self.neighbours.as_flattened_mut().fill(0);
-            self.targets.fill(0);
+            self.rows.as_flattened_mut().fill(0);
             let west = own.get(start.wrapping_add(REACH - 1)..)?;
             let lanes = width.wrapping_sub(start).min(LANES);
             let reference = if taps.is_low_pass() { west } else { &[] };
             let fill = |slots: &mut [i16; LANES], values: &[i32], reference: &[i32]| {
                 differences(slots.get_mut(..lanes).unwrap_or(&mut []), values, reference, round.shift);
             };
-            fill(&mut self.targets, row.get(start..)?, reference);
+            fill(self.rows.get_mut(taps.weights())?, row.get(start..)?, reference);
             let of_west = if taps.is_low_pass() { 1 } else { 0 };
-            for (slots, step) in self.neighbours.iter_mut().zip(of_west..WEST) {
+            for (slots, step) in self.rows.iter_mut().zip(of_west..WEST) {
                 fill(slots, own.get(start.wrapping_add(REACH - 1).wrapping_sub(step)..)?, reference);
             }
             for row in &known {
@@ -182,14 +172,14 @@ impl Training {
                     Some(centre) if taps.is_low_pass() => centre,
                     _ => reference,
                 };
-                let slots = self.neighbours.iter_mut().skip(row.first_weight);
+                let slots = self.rows.iter_mut().skip(row.first_weight);
                 for (slots, step) in slots.zip(0..row.len()) {
                     fill(slots, window.get(step..)?, reference);
                 }
                 if taps.is_low_pass() && row.is_central(row.deep()) {
                     let nearer = self::centre(&known, row.deep().wrapping_add(1));
                     let nearer = nearer.and_then(|nearer| nearer.coefficients.get(start..)).unwrap_or(west);
-                    let slots = self.neighbours.get_mut(row.central_weight())?;
+                    let slots = self.rows.get_mut(row.central_weight())?;
                     fill(slots, row.coefficients.get(start..)?, nearer);
                 }
             }
@@ -214,48 +204,50 @@ impl Training {
             None => self.mean_differences(count),
         };
         self.normalise(count, sizes.map(|size| size.wrapping_add(round.least)));
-        let neighbours = self.neighbours.get(..count).unwrap_or(&[]);
-        let columns = Columns::new(neighbours);
-        for (r, (row, right)) in neighbours.iter().zip(&mut self.right).enumerate() {
+        let rows = self.rows.get(..=count).unwrap_or(&[]);
+        let columns = Columns::new(rows);
+        for (r, row) in rows.iter().enumerate() {
             let entries = self.matrix.get_mut(index(r, 0)..=index(r, r)).unwrap_or(&mut []);
             columns.add_products(row, entries);
-            *right = right.wrapping_add(dot(row, &self.targets).into());
         }
     }
 
-    /// The mean size of the differences of each coefficient, in 1/2^[`SIZE_BITS`].
+    /// About the mean size of the differences of each coefficient, in 1/2^[`SIZE_BITS`].
     fn mean_differences(&self, count: usize) -> [i32; LANES] {
         let mut sizes = [0_i32; LANES];
-        for row in self.neighbours.iter().take(count) {
+        for row in self.rows.iter().take(count) {
             for (size, &difference) in sizes.iter_mut().zip(row) {
                 *size = size.wrapping_add(i32::from(difference).wrapping_abs());
             }
         }
-        let of_each = i32::try_from(count).ok().and_then(|count| (1_i32 << SHARE_BITS).checked_div(count));
-        sizes.map(|size| size.wrapping_mul(of_each.unwrap_or(0)) >> (SHARE_BITS - SIZE_BITS))
+        let bits = count.checked_ilog2().unwrap_or(0);
+        sizes.map(|size| size << SIZE_BITS >> bits)
     }
 
     /// The mean size of the residuals around each coefficient under `weights`, in 1/2^[`SIZE_BITS`].
     fn residuals_around(&self, weights: &[i16]) -> [i32; LANES] {
-        let mut residuals = self.targets.map(|target| i32::from(target) << FRACTION_BITS);
-        for (row, &weight) in self.neighbours.iter().zip(weights) {
+        let targets = self.rows.get(weights.len()).copied().unwrap_or([0; _]);
+        let mut residuals = targets.map(|target| i32::from(target) << FRACTION_BITS);
+        for (row, &weight) in self.rows.iter().zip(weights) {
             // If it were not hidden, several rows would be taken at once, element by element.
             let weight = if cfg!(feature = "small") { weight } else { core::hint::black_box(weight) };
             for (residual, &difference) in residuals.iter_mut().zip(row) {
                 *residual = residual.wrapping_sub(i32::from(difference).wrapping_mul(weight.into()));
             }
         }
-        let sizes = residuals.map(|residual| residual.wrapping_abs() >> (FRACTION_BITS - SIZE_BITS));
-        sums_of_three(&sums_of_three(&sizes)).map(|sum| sum >> 3)
+        let mut sizes = residuals.map(|residual| residual.wrapping_abs() >> (FRACTION_BITS - SIZE_BITS));
+        average(sizes.iter_mut());
+        average(sizes.iter_mut().rev());
+        sizes
     }
 
     /// Brings the differences of each coefficient to units of its size, given in 1/2^[`SIZE_BITS`], which gets
     /// [`NORMAL_BITS`]; or only as far as none of them becomes larger than [`LARGEST`].
     fn normalise(&mut self, count: usize, sizes: [i32; LANES]) {
         const UNIT: i32 = 1 << (NORMAL_BITS + SIZE_BITS + FACTOR_FRACTION_BITS);
-        let neighbours = self.neighbours.get_mut(..count).unwrap_or(&mut []);
+        let rows = self.rows.get_mut(..=count).unwrap_or(&mut []);
         let mut largest = [1_i16; LANES];
-        for row in neighbours.iter().chain([&self.targets]) {
+        for row in &*rows {
             for (largest, &difference) in largest.iter_mut().zip(row) {
                 *largest = difference.wrapping_abs().max(*largest);
             }
@@ -265,7 +257,7 @@ impl Training {
             let least = (i32::from(largest) << SIZE_BITS >> (LARGEST_BITS - NORMAL_BITS)).wrapping_add(1);
             *factor = UNIT.checked_div(size.max(least)).unwrap_or(0);
         }
-        for row in neighbours.iter_mut().chain([&mut self.targets]) {
+        for row in rows {
             for (difference, factor) in row.iter_mut().zip(factors) {
                 let product = i32::from(*difference).wrapping_mul(factor);
                 *difference =
@@ -286,7 +278,7 @@ impl Training {
         let n = weights.len();
         let scales = self.condition(n);
         for pivot in 0..n {
-            for row in pivot.wrapping_add(1)..n {
+            for row in pivot.wrapping_add(1)..=n {
                 self.eliminate(pivot, row);
             }
         }
@@ -295,38 +287,37 @@ impl Training {
             let known = solution.iter().enumerate().take(n).skip(row.wrapping_add(1));
             let sum = known
                 .fold(0, |sum: i64, (column, &x)| sum.wrapping_add(x.wrapping_mul(self.at(column, row))));
-            let right = self.right.get(row).copied().unwrap_or(0) << FACTOR_BITS;
-            let x = divided(right.wrapping_sub(sum), self.at(row, row));
+            let x = divided((self.at(n, row) << FACTOR_BITS).wrapping_sub(sum), self.at(row, row));
             solution.iter_mut().skip(row).take(1).for_each(|slot| *slot = x);
         }
+        let of_right = scales.get(n).copied().unwrap_or(0).wrapping_add(EXCESS_BITS);
         for ((weight, x), scale) in weights.iter_mut().zip(solution).zip(scales) {
-            let rounded = shifted(x, scale.wrapping_sub(EXCESS_BITS)).wrapping_add(1) >> 1;
+            let rounded = shifted(x, scale.wrapping_sub(of_right)).wrapping_add(1) >> 1;
             let largest = i64::from(LARGEST_WEIGHT);
             *weight = i16::try_from(rounded.clamp(largest.wrapping_neg(), largest)).unwrap_or(0);
         }
     }
 
-    /// Adds a little to the diagonal, so that the equations have one solution, and brings all unknowns to one scale.
-    /// Returns by how many bits each was shifted.
-    fn condition(&mut self, n: usize) -> [i32; WEIGHTS] {
-        let mut scales = [0_i32; WEIGHTS];
-        for (i, scale) in scales.iter_mut().enumerate().take(n) {
+    /// Adds a little to the diagonal, so that the equations have one solution, and brings all unknowns and the right sides
+    /// to one scale. Returns by how many bits each was shifted.
+    fn condition(&mut self, n: usize) -> [i32; ROWS] {
+        let mut scales = [0_i32; ROWS];
+        for (i, scale) in scales.iter_mut().enumerate().take(n.wrapping_add(1)) {
             let Some(entry) = self.matrix.get_mut(index(i, i)) else { continue };
             *entry = entry.wrapping_add(*entry >> RIDGE_BITS).wrapping_add(1 << RIDGE_MIN_BITS);
             let bits = i64::BITS.wrapping_sub(entry.leading_zeros()).cast_signed();
             *scale = ENTRY_BITS.wrapping_sub(bits).div_euclid(2);
         }
         let mut entries = self.matrix.iter_mut();
-        for (r, (&row_scale, right)) in scales.iter().zip(&mut self.right).enumerate().take(n) {
+        for (r, &row_scale) in scales.iter().enumerate().take(n.wrapping_add(1)) {
             for (scale, entry) in scales.iter().take(r.wrapping_add(1)).zip(entries.by_ref()) {
                 *entry = shifted(*entry, scale.wrapping_add(row_scale));
             }
-            *right = shifted(*right, row_scale);
         }
         scales
     }
 
-    /// Takes the multiple of equation `pivot` from equation `row` that frees it of unknown `pivot`.
+    /// Takes the multiple of equation `pivot` from equation `row`, or from the right sides, that frees it of unknown `pivot`.
     fn eliminate(&mut self, pivot: usize, row: usize) {
         let dividend = self.at(row, pivot) << FACTOR_BITS;
         let factor = divided(dividend, self.at(pivot, pivot));
@@ -338,10 +329,6 @@ impl Training {
             if let Some(entry) = self.matrix.get_mut(index(row, column)) {
                 *entry = entry.wrapping_sub(part);
             }
-        }
-        let part = factor.wrapping_mul(self.right.get(pivot).copied().unwrap_or(0)) >> FACTOR_BITS;
-        if let Some(right) = self.right.get_mut(row) {
-            *right = right.wrapping_sub(part);
         }
     }
 
@@ -370,18 +357,13 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
     }
 }
 
-/// The sum of each size and those beside it; beyond an end stands the end again.
-fn sums_of_three(sizes: &[i32; LANES]) -> [i32; LANES] {
-    let mut sums = *sizes;
-    let (Some((first, after)), Some((last, before))) = (sizes.split_first(), sizes.split_last()) else {
-        return sums;
-    };
-    let add = |(sum, size): (&mut i32, &i32)| *sum = sum.wrapping_add(*size);
-    sums.iter_mut().zip(after).for_each(add);
-    sums.iter_mut().skip(1).zip(before).for_each(add);
-    sums.first_mut().into_iter().zip([first]).for_each(add);
-    sums.last_mut().into_iter().zip([last]).for_each(add);
-    sums
+/// Makes of each size the mean of itself and of what was made of the one before.
+fn average<'a>(sizes: impl Iterator<Item = &'a mut i32>) {
+    let mut before = None;
+    for size in sizes {
+        *size = before.map_or(*size, |before| size.wrapping_add(before) >> 1);
+        before = Some(*size);
+    }
 }
 
 /// The sum of products.
@@ -562,12 +544,12 @@ mod tests {
     }
 
     #[test]
-    fn ends_stand_for_sizes_beyond() {
-        let mut sizes = [0; LANES];
-        (sizes[0], sizes[2], sizes[LANES - 1]) = (5, 7, 11);
-        let sums = sums_of_three(&sizes);
-        assert_eq!(sums[..5], [10, 12, 7, 7, 0]);
-        assert_eq!(sums[LANES - 3..], [0, 11, 22]);
+    fn sizes_are_spread() {
+        let mut sizes = [8, 0, 16, 0];
+        average(sizes.iter_mut());
+        assert_eq!(sizes, [8, 4, 10, 5]);
+        average(sizes.iter_mut().rev());
+        assert_eq!(sizes, [6, 5, 7, 5]);
     }
 
     #[test]
