@@ -191,13 +191,6 @@ impl Training {
     /// Adds a block of coefficients, each of which counts inversely to the square of the size that its residual is expected
     /// to have. What a residual costs is how large it is beside those around it, so a few edges, or the noise of a bright
     /// part, must not outweigh everything else.
-    #[cfg_attr(
-        feature = "vectors",
-        expect(
-            clippy::large_stack_frames,
-            reason = "on computers, which alone have vectors, that is little"
-        )
-    )]
     fn add_block(&mut self, count: usize, round: &Round<'_>) {
         let sizes = match round.weights {
             Some(weights) => self.residuals_around(weights),
@@ -364,12 +357,6 @@ fn average<'a>(sizes: impl Iterator<Item = &'a mut i32>) {
         *size = before.map_or(*size, |before| size.wrapping_add(before) >> 1);
         before = Some(*size);
     }
-}
-
-/// The sum of products.
-#[inline(always)]
-fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
-    a.iter().zip(b).fold(0, |sum: i32, (&a, &b)| sum.wrapping_add(i32::from(a).wrapping_mul(b.into())))
 }
 
 /// `value` times 2^`bits`.

@@ -1,6 +1,6 @@
 //! Sums of products of rows with one another.
 
-use super::{LANES, dot};
+use super::LANES;
 
 /// The rows that others are multiplied with.
 pub(super) struct Columns<'a>(&'a [[i16; LANES]]);
@@ -20,4 +20,10 @@ impl<'a> Columns<'a> {
             *sum = sum.wrapping_add(dot(row, column).into());
         }
     }
+}
+
+/// The sum of products.
+#[inline(always)]
+fn dot(a: &[i16; LANES], b: &[i16; LANES]) -> i32 {
+    a.iter().zip(b).fold(0, |sum: i32, (&a, &b)| sum.wrapping_add(i32::from(a).wrapping_mul(b.into())))
 }

@@ -57,7 +57,6 @@ fn pairs(rows: &[[i16; LANES]]) -> [u32x8; PAIRS] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dot;
     use super::*;
 
     extern crate std;
@@ -75,7 +74,10 @@ mod tests {
             let mut sums = [5_i64; ROWS + 1];
             columns.add_products(&rows[count - 1], &mut sums[..count]);
             let expected = |number: usize| {
-                5 + if number < count { i64::from(dot(&rows[count - 1], &rows[number])) } else { 0 }
+                let products = |a: &[i16; LANES], b: &[i16; LANES]| -> i64 {
+                    a.iter().zip(b).map(|(&a, &b)| i64::from(a) * i64::from(b)).sum()
+                };
+                5 + if number < count { products(&rows[count - 1], &rows[number]) } else { 0 }
             };
             assert_eq!(sums, core::array::from_fn(expected), "{count}");
         }
