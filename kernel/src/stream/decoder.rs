@@ -55,7 +55,7 @@ impl<'a> RowDecoder<'a> {
     /// A decoder in `memory` of at least [`RowPlan::decoder_memory_len`] elements; the codec's models are reset.
     ///
     /// It takes the bytes that follow the header, which [`RowPlan::parse`] reads. With
-    /// [`RowPlan::fast_decoder_memory_len`] elements or more it takes a third less time.
+    /// [`RowPlan::fast_decoder_memory_len`] elements or more it takes about a quarter less time.
     ///
     /// # Errors
     /// [`LengthError`] if `memory` is too short; nothing has changed then.

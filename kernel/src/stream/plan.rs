@@ -125,10 +125,10 @@ impl RowPlan {
         self.memory_len(Role::Decoder)
     }
 
-    /// `i32`s of memory in which a [`RowDecoder`](super::RowDecoder) is faster: a whole one for each number that it keeps. With the feature
-    /// `small` it is not.
+    /// `i32`s of memory in which a [`RowDecoder`](super::RowDecoder) is faster: one for each number that it keeps.
     ///
-    /// For three levels 13 1/2 elements a column for psi_H, 25 1/4 for psi_1 and at most 56 3/4.
+    /// For three levels 13 1/2 a column for psi_H, 25 1/4 for psi_1 and at most 56 3/4. With the feature `small` no
+    /// decoder is faster, and these are as many as [`RowPlan::decoder_memory_len`] says.
     #[must_use]
     pub const fn fast_decoder_memory_len(&self) -> usize {
         self.memory_len(Role::FastDecoder)
