@@ -1,15 +1,16 @@
 //! Numbers of few bits side by side in words.
 
 use crate::extent::to_usize;
+use crate::memory::copy;
 
 /// Bits of a word.
 const WORD: u32 = i32::BITS;
 
 /// The same, as a length: so many numbers take as many words as each takes bits.
-const ROUND: usize = 32;
+pub(crate) const ROUND: usize = 32;
 
-/// Whether numbers of 32 bits have code of their own.
-const QUICK_WORDS: bool = !cfg!(feature = "small");
+/// Whether what can be quicker has code of its own.
+pub(crate) const QUICK: bool = !cfg!(feature = "small");
 
 /// Where numbers lie that take the same number of bits, 1 to 32, each beginning where the one before ends, from the
 /// lowest bit of a word up.
@@ -33,6 +34,11 @@ impl Packed {
         Self::new(start, WORD)
     }
 
+    /// Whether each number takes a word.
+    pub(crate) const fn are_words(self) -> bool {
+        self.bits == WORD
+    }
+
     /// Words that `count` numbers of so many bits take.
     pub(crate) const fn len(count: usize, bits: u32) -> usize {
         let (bits, rest) = (to_usize(bits), count % ROUND);
@@ -52,7 +58,7 @@ impl Packed {
     /// The number in a place; `None` if it is not all in memory.
     #[inline(always)]
     pub(crate) fn get(self, memory: &[i32], place: usize) -> Option<i32> {
-        if QUICK_WORDS && self.bits == WORD {
+        if QUICK && self.bits == WORD {
             return memory.get(self.word(place)).copied();
         }
         self.unpack(memory, place)
@@ -61,11 +67,11 @@ impl Packed {
     /// Puts a number in a place; `None` if it takes more bits, or if the place is not in memory.
     #[inline(always)]
     pub(crate) fn set(self, memory: &mut [i32], place: usize, number: i32) -> Option<()> {
-        if QUICK_WORDS && self.bits == WORD {
+        if QUICK && self.bits == WORD {
             *memory.get_mut(self.word(place))? = number;
             return Some(());
         }
-        self.pack(memory, place, number)
+        self.skip(place).store(memory, &[number])
     }
 
     /// The word of a number that takes one.
@@ -85,40 +91,65 @@ impl Packed {
         Some(bits.wrapping_shl(left).cast_signed().wrapping_shr(left))
     }
 
+    /// Fills `numbers` with those from the first on; where memory ends, with anything.
     #[cfg_attr(feature = "small", inline(never))]
-    fn pack(self, memory: &mut [i32], place: usize, number: i32) -> Option<()> {
-        let (word, shift) = self.find(place);
-        let left = WORD.wrapping_sub(self.bits);
-        if number.wrapping_shl(left).wrapping_shr(left) != number {
-            return None;
+    pub(crate) fn load(self, memory: &[i32], numbers: &mut [i32]) {
+        if self.bits == WORD {
+            copy(memory.get(self.word(0)..).unwrap_or_default(), numbers);
+            return;
         }
-        let (mask, bits) = (u32::MAX.wrapping_shr(left), number.cast_unsigned());
-        let low = memory.get_mut(word)?;
-        *low = replace(*low, mask.wrapping_shl(shift), bits.wrapping_shl(shift));
-        if shift > left {
-            let (high, shift) = (memory.get_mut(word.wrapping_add(1))?, WORD.wrapping_sub(shift));
-            *high = replace(*high, mask.wrapping_shr(shift), bits.wrapping_shr(shift));
+        let (word, mut shift) = self.find(0);
+        let mut words = memory.get(word..).unwrap_or_default().iter();
+        let mut next = || words.next().map_or(0, |word| word.cast_unsigned());
+        let (mut word, left) = (next(), WORD.wrapping_sub(self.bits));
+        for number in numbers {
+            let mut bits = word.wrapping_shr(shift);
+            shift = shift.wrapping_add(self.bits);
+            if shift >= WORD {
+                (word, shift) = (next(), shift.wrapping_sub(WORD));
+                bits |= word.wrapping_shl(self.bits.wrapping_sub(shift));
+            }
+            *number = bits.wrapping_shl(left).cast_signed().wrapping_shr(left);
+        }
+    }
+
+    /// Puts all of `numbers` there; `None` as for [`Packed::set`], and nobody knows then what is there.
+    #[cfg_attr(feature = "small", inline(never))]
+    pub(crate) fn store(self, memory: &mut [i32], numbers: &[i32]) -> Option<()> {
+        if self.bits == WORD {
+            let places = memory.get_mut(self.word(0)..)?.get_mut(..numbers.len())?;
+            copy(numbers, places);
+            return Some(());
+        }
+        let ((mut word, mut shift), left) = (self.find(0), WORD.wrapping_sub(self.bits));
+        let mut held = memory.get(word).map_or(0, |word| word.cast_unsigned() & low_bits(shift));
+        for &number in numbers {
+            if number.wrapping_shl(left).wrapping_shr(left) != number {
+                return None;
+            }
+            let bits = number.cast_unsigned() & low_bits(self.bits);
+            held |= bits.wrapping_shl(shift);
+            shift = shift.wrapping_add(self.bits);
+            if shift >= WORD {
+                *memory.get_mut(word)? = held.cast_signed();
+                (word, shift) = (word.wrapping_add(1), shift.wrapping_sub(WORD));
+                held = bits.wrapping_shr(self.bits.wrapping_sub(shift));
+            }
+        }
+        if shift > 0 {
+            let last = memory.get_mut(word)?;
+            *last = replace(*last, low_bits(shift), held);
         }
         Some(())
     }
 
-    /// Fills `numbers` with those from the first on.
-    pub(crate) fn load(self, memory: &[i32], numbers: &mut [i32]) {
-        for (place, number) in numbers.iter_mut().enumerate() {
-            *number = self.get(memory, place).unwrap_or_default();
-        }
-    }
-
-    /// Puts all of `numbers` there; `None` as for [`Packed::set`], those before are put then.
-    pub(crate) fn store(self, memory: &mut [i32], numbers: &[i32]) -> Option<()> {
-        numbers.iter().enumerate().try_for_each(|(place, &number)| self.set(memory, place, number))
-    }
-
-    /// Puts the first `count` of these there too; `None` as for [`Packed::set`].
+    /// Puts the first `count` of these there too; `None` as for [`Packed::store`].
     pub(crate) fn copy_to(self, to: Self, count: usize, memory: &mut [i32]) -> Option<()> {
-        (0..count).try_for_each(|place| {
-            let number = self.get(memory, place)?;
-            to.set(memory, place, number)
+        (0..count).step_by(ROUND).try_for_each(|place| {
+            let mut numbers = [0; ROUND];
+            let numbers = numbers.get_mut(..count.wrapping_sub(place).min(ROUND))?;
+            self.skip(place).load(memory, numbers);
+            to.skip(place).store(memory, numbers)
         })
     }
 
@@ -130,6 +161,11 @@ impl Packed {
         let shift = (bit % ROUND) as u32;
         (self.start.wrapping_add(bit / ROUND), shift)
     }
+}
+
+/// That many ones, fewer than a word has, from the lowest bit up.
+const fn low_bits(count: u32) -> u32 {
+    1_u32.wrapping_shl(count).wrapping_sub(1)
 }
 
 /// The word with the bits of `mask` taken from `bits`.
@@ -174,12 +210,48 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_loaded_and_stored_as_number_by_number() {
+        for (bits, first) in (1..=32).flat_map(|bits| [0, 1, 5, 31, 32].map(|first| (bits, first))) {
+            let packed = Packed::new(1, bits).skip(first);
+            for count in [0, 1, 2, 31, 32, 33, COUNT - first] {
+                let (mut one_by_one, mut at_once) = ([0x5A5A_A5A5; COUNT + 2], [0x5A5A_A5A5; COUNT + 2]);
+                let (mut row, mut back) = ([0; COUNT], [7; COUNT]);
+                row.iter_mut().zip(numbers(bits)).for_each(|(number, value)| *number = value);
+                for (place, &number) in row[..count].iter().enumerate() {
+                    packed.set(&mut one_by_one, place, number).unwrap();
+                }
+                packed.store(&mut at_once, &row[..count]).unwrap();
+                assert_eq!(at_once, one_by_one, "{count} of {bits} bits from {first} on");
+                packed.load(&at_once, &mut back[..count]);
+                assert_eq!(back[..count], row[..count], "{count} of {bits} bits from {first} on");
+                assert!(back[count..].iter().all(|&number| number == 7));
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_stored_beyond_memory() {
+        for bits in [7, 32] {
+            let (mut memory, mut row) = ([-1; 7], [5; 64]);
+            let packed = Packed::new(0, bits);
+            let inside = 7 * 32 / to_usize(bits);
+            packed.load(&memory, &mut row[..inside + 1]);
+            assert!(row[..inside].iter().all(|&number| number == -1));
+            assert_eq!(packed.store(&mut memory, &[0; 64]), None);
+            assert_eq!(packed.skip(1).store(&mut memory, &row[..inside]), None);
+            assert_eq!(Packed::new(9, bits).store(&mut memory, &[0]), None);
+            assert_eq!(Packed::new(7, bits).store(&mut memory, &[]), Some(()));
+        }
+    }
+
+    #[test]
     fn what_takes_more_bits_is_refused_and_changes_nothing() {
         for bits in 1..32 {
             let mut memory = [0x5555_5555; 3];
             let (packed, limit) = (Packed::new(0, bits), 1 << (bits - 1));
             for number in [limit, -limit - 1, i32::MAX, i32::MIN] {
                 assert_eq!(packed.set(&mut memory, 1, number), None, "{number} in {bits} bits");
+                assert_eq!(packed.skip(1).store(&mut memory, &[number]), None, "{number} in {bits} bits");
             }
             assert_eq!(memory, [0x5555_5555; 3]);
             assert_eq!(packed.set(&mut memory, 96, 0), None);

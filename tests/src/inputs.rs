@@ -4,7 +4,7 @@
 //! A generator is never changed once a vector uses it; a different input is a new generator.
 
 use serde::Deserialize;
-use wavelift_kernel::Extent;
+use wavelift_kernel::{Extent, SampleType};
 
 /// A generator and its arguments. Values are formed in `i64` and keep their low 32 bits, so that `u32` samples
 /// travel as the kernel wants them; a value outside the sample type is an error of the encoder.
@@ -87,6 +87,38 @@ pub enum Input {
 }
 
 impl Input {
+    /// Kinds that [`Input::of_kind`] knows.
+    pub const KINDS: u32 = 8;
+
+    /// An input within a type; `amount`, 0 to 255, says how rough, dense or high it is.
+    #[must_use]
+    pub fn of_kind(kind: u32, sample_type: SampleType, amount: u8, seed: u64) -> Self {
+        let (low, high) = match sample_type {
+            SampleType::U32 => (0, u32::MAX.into()),
+            narrow => (i64::from(*narrow.range().start()), i64::from(*narrow.range().end())),
+        };
+        let width = 8 * sample_type.bytes() as u32;
+        let (span, share) = (high - low, i64::from(amount) + 1);
+        let (middle, bits) = (low + span / 2, 1 + u32::from(amount) % width);
+        let period = 2 + u32::from(amount);
+        match kind {
+            0 => Self::Noise { bits: width, offset: low, seed },
+            1 => Self::Extremes { low, high, seed },
+            2 => Self::Noise { bits, offset: low, seed },
+            3 => Self::Waves {
+                periods: [period, period / 2 + 1, 20],
+                amplitude: span / 2 * share / 256,
+                offset: middle,
+            },
+            4 => Self::Sparse { one_in: 1 + u64::from(amount), bits: bits.min(width - 1), seed },
+            5 => Self::Steps { width: period, height: span / 301, offset: low },
+            6 => {
+                Self::Checker { low: middle - span / 2 * share / 256, high: middle + span / 2 * share / 256 }
+            }
+            _ => Self::Constant { value: low + span * share / 256 },
+        }
+    }
+
     /// The samples over `extent`, x fastest. `None` for [`Input::File`], whose samples come from elsewhere.
     #[must_use]
     pub fn generate(&self, extent: Extent) -> Option<Vec<i32>> {

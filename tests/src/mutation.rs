@@ -206,12 +206,15 @@ fn is_refused_whole(bytes: &[u8]) -> bool {
 
 fn is_refused_arriving(bytes: &[u8]) -> bool {
     if let Ok((plan, _)) = RowPlan::parse(bytes) {
-        if plan.decoder_memory_len() > MOST_MEMORY {
+        if plan.fast_decoder_memory_len() > MOST_MEMORY {
             return true;
         }
         let whole = streams::decode(bytes, MOST_GIVEN, Pieces::Whole);
         let cut = streams::decode(bytes, MOST_GIVEN, Pieces::Of(3));
         assert!(whole.0.len() > MOST_GIVEN || whole == cut, "the pieces matter");
+        let fast = streams::decode_fast(bytes, MOST_GIVEN, Pieces::Whole);
+        let is_long = [&whole, &fast].iter().any(|decoded| decoded.0.len() > MOST_GIVEN);
+        assert!(is_long || streams::agree(&whole, &fast), "the memory matters");
         return whole.1.is_err();
     }
     if SlabPlan::parse(bytes).is_ok_and(|(plan, _)| plan.samples_len() > MOST_GIVEN) {

@@ -1,7 +1,7 @@
 //! Calls of the kernel's streams of rows: with input and output in pieces, in memory with guards around it.
 
-use wavelift_kernel::DecodeError;
 use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowPlan, Status};
+use wavelift_kernel::{DecodeError, Malformed};
 
 use crate::lent::Lent;
 use crate::oracle::noise::Noise;
@@ -26,6 +26,9 @@ impl Pieces {
         }
     }
 }
+
+/// Samples, and the bytes after them, or the error that comes after them.
+pub type Decoded = (Vec<i32>, Result<usize, DecodeError>);
 
 /// Room for output where it does not come in pieces.
 const ROOM: usize = 1 << 12;
@@ -69,12 +72,38 @@ pub fn encode(plan: &RowPlan, samples: &[i32], mut pieces: Pieces) -> Vec<u8> {
 /// # Panics
 ///
 /// If the decoder says what it must not, or writes outside of what was lent.
-pub fn decode(stream: &[u8], most: usize, mut pieces: Pieces) -> (Vec<i32>, Result<usize, DecodeError>) {
+pub fn decode(stream: &[u8], most: usize, pieces: Pieces) -> Decoded {
+    decode_in(RowPlan::decoder_memory_len, stream, most, pieces)
+}
+
+/// The same in as much memory as is fastest; of damaged streams it may give more samples.
+///
+/// # Panics
+///
+/// As [`decode`].
+pub fn decode_fast(stream: &[u8], most: usize, pieces: Pieces) -> Decoded {
+    decode_in(RowPlan::fast_decoder_memory_len, stream, most, pieces)
+}
+
+/// Whether two decoders may say this of one stream, the second in more memory: the same, but of samples outside the type
+/// the second may know later.
+#[must_use]
+pub fn agree(least: &Decoded, fast: &Decoded) -> bool {
+    let knows_later = least.1 == Err(Malformed::Sample.into()) && fast.0.starts_with(&least.0);
+    least == fast || (knows_later && fast.1.is_err())
+}
+
+fn decode_in(
+    memory_len: impl Fn(&RowPlan) -> usize,
+    stream: &[u8],
+    most: usize,
+    mut pieces: Pieces,
+) -> Decoded {
     let (plan, header) = match RowPlan::parse(stream) {
         Ok(parsed) => parsed,
         Err(error) => return (Vec::new(), Err(error)),
     };
-    let mut memory = Lent::stale(plan.decoder_memory_len());
+    let mut memory = Lent::stale(memory_len(&plan));
     let mut codec = Box::new(RowCodec::NEW);
     let mut decoder = RowDecoder::new(&plan, &mut codec, memory.lend()).expect("memory for it");
     let (mut rest, mut samples) = (&stream[header..], Vec::new());

@@ -24,19 +24,6 @@ impl Case {
     }
 }
 
-/// The smallest and the largest value of a type, u32 as itself.
-fn range(sample_type: SampleType) -> (i64, i64) {
-    match sample_type {
-        SampleType::U32 => (0, u32::MAX.into()),
-        narrow => (i64::from(*narrow.range().start()), i64::from(*narrow.range().end())),
-    }
-}
-
-/// Bits of a type.
-fn width(sample_type: SampleType) -> u32 {
-    8 * u32::try_from(sample_type.bytes()).expect("a few bytes")
-}
-
 /// Lines, slices and bricks along any axes, and some in which predictors are trained.
 fn extent() -> impl Strategy<Value = Extent> {
     let axes = prop_oneof![
@@ -54,28 +41,6 @@ fn extent() -> impl Strategy<Value = Extent> {
     axes.prop_map(|axes| Extent::new(axes).expect("a small extent"))
 }
 
-/// Samples of one kind within a type; `amount` is from 0 to 255.
-fn input(kind: u32, sample_type: SampleType, amount: u8, seed: u64) -> Input {
-    let (low, high) = range(sample_type);
-    let (span, share) = (high - low, i64::from(amount) + 1);
-    let (middle, bits) = (low + span / 2, 1 + u32::from(amount) % width(sample_type));
-    let period = 2 + u32::from(amount);
-    match kind {
-        0 => Input::Noise { bits: width(sample_type), offset: low, seed },
-        1 => Input::Extremes { low, high, seed },
-        2 => Input::Noise { bits, offset: low, seed },
-        3 => Input::Waves {
-            periods: [period, period / 2 + 1, 20],
-            amplitude: span / 2 * share / 256,
-            offset: middle,
-        },
-        4 => Input::Sparse { one_in: 1 + u64::from(amount), bits: bits.min(width(sample_type) - 1), seed },
-        5 => Input::Steps { width: period, height: span / 301, offset: low },
-        6 => Input::Checker { low: middle - span / 2 * share / 256, high: middle + span / 2 * share / 256 },
-        _ => Input::Constant { value: low + span * share / 256 },
-    }
-}
-
 prop_compose! {
     fn case()(
         effort in prop::sample::select(Effort::ALL.as_slice()),
@@ -83,12 +48,12 @@ prop_compose! {
         wavelet in prop::sample::select(Wavelet::ALL.as_slice()),
         level in any::<u8>(),
         sample_type in prop::sample::select(SampleType::ALL.as_slice()),
-        kind in 0..8_u32,
+        kind in 0..Input::KINDS,
         amount in any::<u8>(),
         seed in any::<u64>(),
     ) -> Case {
         let plan = Plan::new(wavelet, extent, level % (extent.max_levels() + 1)).expect("levels that it has");
-        Case { effort, plan, sample_type, input: input(kind, sample_type, amount, seed) }
+        Case { effort, plan, sample_type, input: Input::of_kind(kind, sample_type, amount, seed) }
     }
 }
 
@@ -145,12 +110,12 @@ proptest! {
     fn what_is_tabled_comes_back(
         extent in large_extent(),
         sample_type in prop::sample::select(SampleType::ALL.as_slice()),
-        kind in 0..8_u32,
+        kind in 0..Input::KINDS,
         amount in any::<u8>(),
         seed in any::<u64>(),
     ) {
         let plan = Plan::new(Wavelet::Haar, extent, 0).expect("a plan");
-        let samples = input(kind, sample_type, amount, seed).generate(extent).expect("a generator");
+        let samples = Input::of_kind(kind, sample_type, amount, seed).generate(extent).expect("a generator");
         let effort = if seed.is_multiple_of(2) { Effort::Tabled } else { Effort::Wide };
         check(effort, &plan, sample_type, &samples);
     }

@@ -1,7 +1,9 @@
 //! Slices that come one after another, coded in slabs.
 
 use conformance::corrupt::Damage;
+use conformance::effort::Effort;
 use conformance::inputs::Input;
+use conformance::lent;
 use conformance::oracle::noise::Noise;
 use conformance::slabs::{Memory, decode, encode};
 use wavelift_kernel::stream::{RowError, RowPlan, SlabEncoder, SlabPlan, Status};
@@ -56,6 +58,30 @@ fn slabs_are_codestreams() {
         rest = after;
     }
     assert_eq!(rest, [0]);
+}
+
+/// A slab is decoded as whatever coder without memory of its own made it.
+#[test]
+fn slabs_may_be_light_or_tabled_and_not_dense() {
+    let (axes, slices) = ([128, 128, 1], 3);
+    let plan = plan_of(axes, 0);
+    let samples = waves([axes[0], axes[1], slices]);
+    let end = encode(&plan, None, &[], 64);
+    let stream_of = |effort| {
+        let mut stream = end[..end.len() - 1].to_vec();
+        for slice in samples.chunks(plan.samples_len()) {
+            let slab = lent::encode(&mut { Codec::NEW }, effort, &plan.plan(), SampleType::I16, slice);
+            let length = u16::try_from(slab.len()).expect("few bytes");
+            assert!((1 << 7..1 << 14).contains(&length), "a number of two bytes: {length}");
+            stream.extend([(length & 0x7F) as u8 | 0x80, (length >> 7) as u8]);
+            stream.extend(slab);
+        }
+        [&stream[..], &[0]].concat()
+    };
+    for effort in [Effort::Light, Effort::Tabled, Effort::Wide, Effort::Fast, Effort::Default] {
+        assert!(decode(&stream_of(effort), 999) == (samples.clone(), Ok(0)), "{effort:?}");
+    }
+    assert_eq!(decode(&stream_of(Effort::Dense), 999), (vec![], Err(DecodeError::NeedsDense)));
 }
 
 #[test]

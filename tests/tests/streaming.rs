@@ -8,8 +8,10 @@ use conformance::lent;
 use conformance::oracle::coder::rows;
 use conformance::oracle::noise::Noise;
 use conformance::slabs;
-use conformance::streams::{Pieces, decode, encode};
+use conformance::streams::{Pieces, agree, decode, decode_fast, encode};
 use conformance::vectors::{Expect, Manifest, Recipe, crc32};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 use wavelift_kernel::stream::{RowCodec, RowDecoder, RowEncoder, RowError, RowPlan, Status};
 use wavelift_kernel::{
     Codec, DecodeError, Extent, LengthError, Malformed, Plan, PlanError, SampleType, Slice, Wavelet,
@@ -46,9 +48,11 @@ fn every_extent_comes_back_and_the_oracle_agrees() {
                     _ => waves(width, height),
                 };
                 let stream = encode(&plan, &samples, Pieces::Whole);
-                let (back, end) = decode(&stream, samples.len(), Pieces::Whole);
-                assert_eq!(end, Ok(0), "{wavelet} {width} {height} {levels}");
-                assert!(back == samples, "{wavelet} {width} {height} {levels}");
+                for decode in [decode, decode_fast] {
+                    let (back, end) = decode(&stream, samples.len(), Pieces::Whole);
+                    assert_eq!(end, Ok(0), "{wavelet} {width} {height} {levels}");
+                    assert!(back == samples, "{wavelet} {width} {height} {levels}");
+                }
                 // Its inverse transform is that of the whole slice: so are the coefficients.
                 let (slice, rest) = rows::decode(&stream).expect("a stream");
                 assert!(
@@ -60,6 +64,63 @@ fn every_extent_comes_back_and_the_oracle_agrees() {
         }
     }
     println!("{checked} slices");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 3000,
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(3),
+        ..ProptestConfig::default()
+    })]
+
+    /// Where numbers take as few bits as they can, too: the ends of every type, every wavelet, as deep as levels go.
+    #[test]
+    fn rows_of_any_kind_come_back(
+        wavelet in prop::sample::select(Wavelet::ALL.as_slice()),
+        sample_type in prop::sample::select(SampleType::ALL.as_slice()),
+        (width, height) in (1..=70_u32, 1..=70_u32),
+        levels in 0..=9_u8,
+        strip in 1..=70_u16,
+        kind in 0..Input::KINDS,
+        amount in any::<u8>(),
+        seed in any::<u64>(),
+        most in 1..=300_usize,
+    ) {
+        let plan = RowPlan::new(wavelet, width, levels, sample_type).expect("a plan").with_strip(strip);
+        let extent = Extent::slice(width, height).expect("a small extent");
+        let samples = Input::of_kind(kind, sample_type, amount, seed).generate(extent).expect("a generator");
+        let pieces = || Pieces::UpTo(most, Noise::new(seed));
+        let stream = encode(&plan, &samples, pieces());
+        prop_assert!(decode(&stream, samples.len(), pieces()) == (samples.clone(), Ok(0)));
+        prop_assert!(decode_fast(&stream, samples.len(), pieces()) == (samples, Ok(0)));
+    }
+}
+
+/// Where a header has the type and the wavelet.
+const TYPE: usize = 4;
+
+/// Streams of wide samples under a header that says narrow ones: what comes before the first that is none is right.
+#[test]
+fn samples_outside_the_type_are_told_in_any_memory() {
+    for (wavelet, levels) in
+        Wavelet::ALL.into_iter().flat_map(|wavelet| [0, 1, 2, 3, 4].map(|l| (wavelet, l)))
+    {
+        for (outside, narrow) in [(3_000, SampleType::U8), (1 << 20, SampleType::I16)] {
+            let [wide, narrow] = [SampleType::I32, narrow].map(|sample_type| {
+                RowPlan::new(wavelet, 21, levels, sample_type).expect("a plan").with_strip(7)
+            });
+            let mut samples: Vec<i32> = waves(21, 60).iter().map(|sample| sample & 0x7F).collect();
+            samples[21 * 40 + 3] = outside;
+            let mut stream = encode(&wide, &samples, Pieces::Whole);
+            stream[TYPE] = encode(&narrow, &[], Pieces::Whole)[TYPE];
+            let least = decode(&stream, samples.len(), Pieces::Whole);
+            let fast = decode_fast(&stream, samples.len(), Pieces::Of(5));
+            let right = (samples[..21 * 40].to_vec(), Err(Malformed::Sample.into()));
+            assert_eq!(fast, right, "{wavelet} {levels}");
+            assert!(agree(&least, &fast), "{wavelet} {levels}: {:?} after {}", least.1, least.0.len());
+        }
+    }
 }
 
 #[test]
@@ -194,8 +255,10 @@ fn damage_does_no_harm() {
                 }
                 let (samples, end) = decode(&bytes, 4000, Pieces::Whole);
                 let (dripped, dripped_end) = decode(&bytes, 4000, Pieces::Of(1));
-                if samples.len() <= 4000 && dripped.len() <= 4000 {
+                let fast = decode_fast(&bytes, 4000, Pieces::Of(7));
+                if [&samples, &dripped, &fast.0].iter().all(|samples| samples.len() <= 4000) {
                     assert_eq!((&samples, end), (&dripped, dripped_end));
+                    assert!(agree(&(dripped, dripped_end), &fast), "{dripped_end:?} {:?}", fast.1);
                     match (rows::decode(&bytes), end) {
                         (Ok((slice, rest)), Ok(left)) => {
                             assert!(slice.samples == samples && rest.len() == left)

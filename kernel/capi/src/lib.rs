@@ -53,9 +53,9 @@ pub use plan::{
 #[cfg(feature = "rows")]
 pub use rows::{
     WaveliftRowPlan, WaveliftStatus, WaveliftStep, wavelift_row_decoder_begin,
-    wavelift_row_decoder_memory_len, wavelift_row_decoder_step, wavelift_row_encoder_begin,
-    wavelift_row_encoder_finish, wavelift_row_encoder_memory_len, wavelift_row_encoder_step,
-    wavelift_row_header_parse,
+    wavelift_row_decoder_fast_memory_len, wavelift_row_decoder_memory_len, wavelift_row_decoder_step,
+    wavelift_row_encoder_begin, wavelift_row_encoder_finish, wavelift_row_encoder_memory_len,
+    wavelift_row_encoder_step, wavelift_row_header_parse,
 };
 #[cfg(feature = "rows")]
 pub use slabs::{

@@ -98,6 +98,17 @@ pub unsafe extern "C" fn wavelift_row_decoder_memory_len(plan: *const WaveliftRo
     loan.copy(plan).and_then(WaveliftRowPlan::check).map_or(0, |plan| plan.decoder_memory_len())
 }
 
+/// Elements of memory in which a decoder of rows is faster.
+///
+/// # Safety
+/// `plan` is NULL or points to a plan.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_row_decoder_fast_memory_len(plan: *const WaveliftRowPlan) -> usize {
+    // SAFETY: `plan` is the only pointer, and readable.
+    let loan = unsafe { Loan::new() };
+    loan.copy(plan).and_then(WaveliftRowPlan::check).map_or(0, |plan| plan.fast_decoder_memory_len())
+}
+
 /// Reads the header of a stream of rows.
 ///
 /// # Safety

@@ -5,11 +5,8 @@ use super::plan::RowPlan;
 use crate::Wavelet;
 use crate::coder::{Above, Row};
 use crate::lifting::Direction;
-use crate::packed::Packed;
+use crate::packed::{Packed, ROUND};
 use crate::transform::Plan;
-
-/// Columns that a lifting step changes at a time.
-const COLUMNS: usize = 32;
 
 /// Where the rows of one level are.
 #[derive(Clone, Copy, Debug)]
@@ -93,10 +90,10 @@ pub(super) fn lift(
     let Change { step, row, beside } = change;
     let target = place(row);
     let beside = beside.map(|row| row.map(&place));
-    for x in (0..width).step_by(COLUMNS) {
-        let columns = width.wrapping_sub(x).min(COLUMNS);
+    for x in (0..width).step_by(ROUND) {
+        let columns = width.wrapping_sub(x).min(ROUND);
         let load = |row: Option<Packed>| {
-            let mut values = [0; COLUMNS];
+            let mut values = [0; ROUND];
             if let Some(row) = row {
                 row.skip(x).load(memory, values.get_mut(..columns).unwrap_or_default());
             }

@@ -57,7 +57,7 @@ impl<'a> RowEncoder<'a> {
     /// [`LengthError`] if `memory` is too short; nothing has changed then.
     pub fn new(plan: &RowPlan, codec: &'a mut RowCodec, memory: &'a mut [i32]) -> Result<Self, LengthError> {
         let layout = plan.layout(Role::Encoder);
-        at_least(Slice::Scratch, layout.total, memory.len())?;
+        at_least(Slice::Scratch, plan.encoder_memory_len(), memory.len())?;
         memory.fill(0);
         codec.reset();
         Ok(Self {

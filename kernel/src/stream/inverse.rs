@@ -98,16 +98,16 @@ impl Inverse {
         let mut level = 0_u8;
         loop {
             let coarser = level.wrapping_add(1);
-            if let Some(row) = self.next_row(plan, level, schedule, memory)? {
+            if let Some(row) = self.next_row((plan, layout), level, schedule, memory)? {
                 Outgoing::put(plan, layout, (row, level), memory);
                 let Some(finer) = level.checked_sub(1) else { return Some(true) };
-                let low_part = self.assemble(plan, finer, schedule, memory)?;
+                let low_part = self.assemble((plan, layout), finer, schedule, memory)?;
                 Outgoing::move_to(plan, layout, (low_part, level), memory)?;
                 level = finer;
             } else if coarser < plan.levels() {
                 level = coarser;
             } else if core::mem::take(&mut self.has_low) {
-                let low_part = self.assemble(plan, level, schedule, memory)?;
+                let low_part = self.assemble((plan, layout), level, schedule, memory)?;
                 Packed::words(layout.low_row).copy_to(low_part, plan.width_at(coarser), memory)?;
             } else {
                 return Some(false);
@@ -119,14 +119,14 @@ impl Inverse {
     /// `None` as for [`Inverse::pull`].
     fn next_row(
         &mut self,
-        plan: &RowPlan,
+        (plan, layout): (&RowPlan, Layout),
         level: u8,
         schedule: &Schedule,
         memory: &mut [i32],
     ) -> Option<Option<Packed>> {
         let passes = self.passes;
         // Where the shelf is takes longer to find than that there is nothing to do.
-        let shelf = || plan.shelf_at(level);
+        let shelf = || plan.shelf_at(layout, level);
         let forward = schedule.fronts(level)?;
         let level = self.levels.get_mut(usize::from(level))?;
         loop {
@@ -148,12 +148,12 @@ impl Inverse {
     /// Puts the next pair of a level together, of which the low-pass part has come, and returns where that belongs.
     fn assemble(
         &mut self,
-        plan: &RowPlan,
+        (plan, layout): (&RowPlan, Layout),
         level: u8,
         schedule: &Schedule,
         memory: &mut [i32],
     ) -> Option<Packed> {
-        let shelf = plan.shelf_at(level);
+        let shelf = plan.shelf_at(layout, level);
         let forward = schedule.fronts(level)?;
         let Level { fronts, first, waiting } = self.levels.get_mut(usize::from(level))?;
         let is_single = *waiting == 1 && forward.is_exhausted() && forward.is_odd();

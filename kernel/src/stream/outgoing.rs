@@ -2,7 +2,7 @@
 
 use super::plan::{Layout, RowPlan};
 use crate::lifting::Halves;
-use crate::packed::Packed;
+use crate::packed::{Packed, ROUND};
 
 /// A row, its samples at even and at odd places; without a transform all of them are in the first half.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,12 @@ impl<'a> Outgoing<'a> {
         let (scratch, rest) = memory.split_at_mut_checked(layout.scratch)?;
         let (to, width) = (to.after(layout.scratch), plan.width_at(level));
         let row = Outgoing::halves(width, scratch);
-        (0..width).try_for_each(|x| to.set(rest, x, row.get(x)?))
+        (0..width).step_by(ROUND).try_for_each(|x| {
+            let mut samples = [0; ROUND];
+            let samples = samples.get_mut(..width.wrapping_sub(x).min(ROUND))?;
+            row.give(x, samples);
+            to.skip(x).store(rest, samples)
+        })
     }
 
     /// Whether all of its samples are of the type.

@@ -110,7 +110,7 @@ impl RowPlan {
     /// for three levels at most 14 1/8, and 30 more.
     #[must_use]
     pub const fn encoder_memory_len(&self) -> usize {
-        self.layout(Role::Encoder).total
+        self.memory_len(Role::Encoder)
     }
 
     /// `i32`s of memory that a [`RowDecoder`](super::RowDecoder) takes.
@@ -122,7 +122,16 @@ impl RowPlan {
     /// the table.
     #[must_use]
     pub const fn decoder_memory_len(&self) -> usize {
-        self.layout(Role::Decoder).total
+        self.memory_len(Role::Decoder)
+    }
+
+    /// `i32`s of memory in which a [`RowDecoder`](super::RowDecoder) is faster: one for each number that it keeps.
+    ///
+    /// For three levels 13 1/2 a column for psi_H, 25 1/4 for psi_1 and at most 56 3/4. With the feature `small` no
+    /// decoder is faster, and these are as many as [`RowPlan::decoder_memory_len`] says.
+    #[must_use]
+    pub const fn fast_decoder_memory_len(&self) -> usize {
+        self.memory_len(Role::FastDecoder)
     }
 
     /// Columns on a level: ceil(width / 2^level).
@@ -144,11 +153,14 @@ impl RowPlan {
         // A decoder has no coefficient before it is decoded, so a row can take the place of the one above.
         let (low_row, first_level) = match role {
             Role::Encoder => (end, end.saturating_add(low)),
-            Role::Decoder => (north, end),
+            Role::Decoder | Role::FastDecoder => (north, end),
         };
-        let mut layout = Layout { scratch, north, above, low_row, first_level, total: first_level };
-        layout.total = self.level_start(role, self.levels, first_level);
-        layout
+        Layout { role, scratch, north, above, low_row, first_level }
+    }
+
+    /// Length of the memory.
+    const fn memory_len(&self, role: Role) -> usize {
+        self.level_start(role, self.levels, self.layout(role).first_level)
     }
 
     /// Where a level begins in memory, if the first begins at `start`; after the last level, where memory ends.
@@ -157,8 +169,8 @@ impl RowPlan {
         while finer < level {
             let len = match role {
                 Role::Encoder => Place::new(self, finer, start).len(),
-                Role::Decoder => {
-                    let (_, len) = Shelf::new(self, finer, start);
+                Role::Decoder | Role::FastDecoder => {
+                    let (_, len) = Shelf::new(self, role, (finer, start));
                     len
                 }
             };
@@ -175,10 +187,15 @@ impl RowPlan {
     }
 
     /// The rows of a level in the memory of a decoder.
-    pub(super) const fn shelf_at(&self, level: u8) -> Shelf {
-        let first = self.layout(Role::Decoder).first_level;
-        let (shelf, _) = Shelf::new(self, level, self.level_start(Role::Decoder, level, first));
+    pub(super) const fn shelf_at(&self, layout: Layout, level: u8) -> Shelf {
+        let start = self.level_start(layout.role, level, layout.first_level);
+        let (shelf, _) = Shelf::new(self, layout.role, (level, start));
         shelf
+    }
+
+    /// The decoder that there is room for, if it is built.
+    pub(super) const fn decoder_in(&self, memory_len: usize) -> Role {
+        if memory_len >= self.fast_decoder_memory_len() { Role::FastDecoder } else { Role::Decoder }
     }
 
     /// Pairs of rows of details that may wait on a level of a decoder.
@@ -201,12 +218,16 @@ const fn level_bits(level: u8) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Encoder,
+    /// Of a decoder, in which numbers take the bits that they need.
     Decoder,
+    /// Of a decoder, in which they take a word each.
+    FastDecoder,
 }
 
-/// Where things begin in memory, and its length.
+/// Where things begin in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
+    role: Role,
     /// Length of the scratch that it begins with.
     pub(super) scratch: usize,
     /// The row above of the low-pass part.
@@ -216,5 +237,4 @@ pub(super) struct Layout {
     /// A row of the low-pass part.
     pub(super) low_row: usize,
     pub(super) first_level: usize,
-    pub(super) total: usize,
 }

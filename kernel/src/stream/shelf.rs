@@ -5,12 +5,12 @@
 //! for it, but on the coarsest level, where pairs hardly wait, and with psi_H, where they leave together.
 
 use super::fronts::inverse_rows;
-use super::plan::RowPlan;
+use super::plan::{Role, RowPlan};
 use super::spread;
 use crate::Wavelet;
 use crate::coder::{Above, Row};
 use crate::extent::to_usize;
-use crate::packed::Packed;
+use crate::packed::{Packed, QUICK, ROUND};
 
 /// Where the rows of one level are: in turn rows c, rows d, the parts of rows c that are high along x, of pairs that
 /// wait, and what is kept of rows above.
@@ -24,13 +24,16 @@ pub(super) struct Shelf {
 }
 
 impl Shelf {
-    /// The shelf of a level that begins at `start`, and how many words it takes.
-    pub(super) const fn new(plan: &RowPlan, level: u8, start: usize) -> (Self, usize) {
+    /// The shelf of a level that begins at `start`, in a decoder's memory, and how many words it takes.
+    pub(super) const fn new(plan: &RowPlan, role: Role, (level, start): (u8, usize)) -> (Self, usize) {
         let (width, held) = (plan.width_at(level), plan.held(level));
         let [c, d] = inverse_rows(plan.wavelet());
         // Of the rows d that are worked on the newest waited before; its place is free again when the next pair comes.
         let slots = [c, held.saturating_add(d.saturating_sub(1)), held];
-        let bits = spread::bits(plan.wavelet(), plan.sample_type(), level);
+        let bits = match role {
+            Role::FastDecoder if QUICK => u32::BITS,
+            _ => spread::bits(plan.wavelet(), plan.sample_type(), level),
+        };
         let numbers = width.saturating_mul(slots[0].saturating_add(slots[1]));
         let numbers = numbers.saturating_add((width / 2).saturating_mul(held));
         let len = Packed::len(numbers, bits);
@@ -93,22 +96,86 @@ impl Shelf {
         [next(ds, d), next(highs, high)]
     }
 
-    /// The row of an orientation, 1 to 3, to be decoded, of the pair in these places.
+    /// Columns of an orientation, 1 to 3.
+    const fn columns(&self, orientation: u8) -> usize {
+        if orientation == 2 { self.low() } else { self.high() }
+    }
+
+    /// Whether rows are unpacked to be decoded: if numbers take less than a word.
+    const fn unpacks(&self) -> bool {
+        QUICK && !self.rows.are_words()
+    }
+
+    /// The row of an orientation, 1 to 3, to be decoded, of the pair in these places: where [`Shelf::unpack`] put it, or
+    /// where it waits.
+    #[inline(always)]
     pub(super) fn band(&self, places: [u32; 2], orientation: u8) -> Row {
-        let (low, high) = (self.low(), self.high());
-        let (width, before, siblings) = match orientation {
-            1 => (high, 0, [0, 0]),
-            2 => (low, high, [high, 0]),
-            _ => (high, self.width, [high, low]),
-        };
+        let (high, width) = (self.high(), self.columns(orientation));
         let row = |orientation, back| self.details(places, orientation, back);
-        let above = match self.above {
-            Some(above) => Above::Kept(above.saturating_add(before)),
-            None => Above::Rows([row(orientation, 1), row(orientation, 2)]),
+        let (values, north, siblings) = if self.unpacks() {
+            let [values, north] = [0, width].map(Packed::words);
+            (values, north, [(values, width), (values, 0)])
+        } else {
+            // No row of lower orientation has more columns than there are on the high side.
+            let known = |lower| (row(lower, 0), if lower < orientation { high } else { 0 });
+            (row(orientation, 0), row(orientation, 1), [known(1), known(2)])
         };
-        let [first, second] = siblings;
-        let siblings = [(row(1, 0), first), (row(2, 0), second)];
-        Row { values: row(orientation, 0), width, above, siblings, north: None, is_first: false }
+        let kept_before = match orientation {
+            1 => 0,
+            2 => high,
+            _ => self.width,
+        };
+        let above = match self.above {
+            Some(above) => Above::Kept(above.saturating_add(kept_before)),
+            None => Above::Rows([north, row(orientation, 2)]),
+        };
+        Row { values, width, above, siblings, north: None, is_first: false }
+    }
+
+    /// Prepares the row of an orientation to be decoded where it is unpacked: a word a number in `scratch`, which precedes
+    /// the `rest` of memory.
+    ///
+    /// First come sums of the magnitudes in the same columns of lower orientations, each where its coefficient will be, then
+    /// the row above.
+    pub(super) fn unpack(&self, places: [u32; 2], orientation: u8, (scratch, rest): (&mut [i32], &[i32])) {
+        if !self.unpacks() {
+            return;
+        }
+        let (start, width) = (scratch.len(), self.columns(orientation));
+        let Some((sums, north)) = scratch.split_at_mut_checked(width) else { return };
+        sums.fill(0);
+        let (sums, _) = sums.split_at_mut_checked(self.high()).unwrap_or_default();
+        for lower in 1..orientation {
+            let known = self.details(places, lower, 0).after(start);
+            for (x, sums) in (0..).step_by(ROUND).zip(sums.chunks_mut(ROUND)) {
+                let mut numbers = [0; ROUND];
+                known.skip(x).load(rest, &mut numbers);
+                // Such numbers are so small that no sum of two reaches where magnitudes are capped.
+                sums.iter_mut()
+                    .zip(numbers)
+                    .for_each(|(sum, number)| *sum = sum.wrapping_add(number.wrapping_abs()));
+            }
+        }
+        if self.above.is_none() {
+            self.details(places, orientation, 1)
+                .after(start)
+                .load(rest, north.get_mut(..width).unwrap_or_default());
+        }
+    }
+
+    /// Puts the row of an orientation, decoded where [`Shelf::unpack`] prepared it, where it waits; `None` if a number takes
+    /// more bits than there are for it.
+    pub(super) fn pack(
+        &self,
+        places: [u32; 2],
+        orientation: u8,
+        (scratch, rest): (&[i32], &mut [i32]),
+    ) -> Option<()> {
+        if !self.unpacks() {
+            return Some(());
+        }
+        let row = scratch.get(..self.columns(orientation))?;
+        self.details(places, orientation, 0).after(scratch.len()).store(rest, row)
     }
 
     /// Moves the part that is high along x, of the pair in these places, into row c of that number, and returns where that begins.

@@ -5,7 +5,7 @@ use arbitrary::{Result, Unstructured};
 use conformance::oracle::coder::rows;
 use conformance::oracle::noise::Noise;
 use conformance::slabs;
-use conformance::streams::{Pieces, decode, encode};
+use conformance::streams::{Pieces, agree, decode, decode_fast, encode};
 use wavelift_kernel::stream::{RowPlan, SlabPlan};
 use wavelift_kernel::{Extent, SampleType, Training, Wavelet};
 
@@ -28,7 +28,7 @@ pub fn check(bytes: &[u8]) {
 }
 
 fn arrive_as_rows(bytes: &[u8]) {
-    if RowPlan::parse(bytes).is_ok_and(|(plan, _)| plan.decoder_memory_len() > MOST_MEMORY) {
+    if RowPlan::parse(bytes).is_ok_and(|(plan, _)| plan.fast_decoder_memory_len() > MOST_MEMORY) {
         return;
     }
     let whole = decode(bytes, MOST_SAMPLES, Pieces::Whole);
@@ -41,7 +41,9 @@ fn arrive_as_rows(bytes: &[u8]) {
             assert_eq!(cut, whole, "the pieces matter");
         }
     }
-    if whole.0.len() <= MOST_SAMPLES {
+    let fast = decode_fast(bytes, MOST_SAMPLES, Pieces::Whole);
+    if whole.0.len() <= MOST_SAMPLES && fast.0.len() <= MOST_SAMPLES {
+        assert!(agree(&whole, &fast), "the least memory: {:?}, more: {:?}", whole.1, fast.1);
         let oracle = rows::decode(bytes).ok().map(|(slice, rest)| (slice.samples, rest.len()));
         let kernel = whole.1.ok().map(|left| (whole.0, left));
         assert_eq!(kernel, oracle, "the kernel, and the oracle");
@@ -71,7 +73,9 @@ fn leave_as_rows(data: &mut Unstructured<'_>) -> Result<()> {
     let cut = encode(&plan, &samples, Pieces::UpTo(most, Noise::new(seed)));
     assert_eq!(cut, stream, "the pieces matter");
     let decoded = decode(&stream, MOST_SAMPLES, Pieces::UpTo(most, Noise::new(seed)));
-    assert_eq!(decoded, (samples, Ok(0)), "there and back");
+    assert_eq!(decoded, (samples.clone(), Ok(0)), "there and back");
+    let decoded = decode_fast(&stream, MOST_SAMPLES, Pieces::UpTo(most, Noise::new(seed)));
+    assert_eq!(decoded, (samples, Ok(0)), "there and back in more memory");
     Ok(())
 }
 

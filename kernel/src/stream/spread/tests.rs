@@ -139,6 +139,19 @@ fn every_coefficient_has_the_bits_that_it_takes() {
     }
 }
 
+/// The magnitudes of two siblings are added before they are capped at 2^25.
+#[test]
+fn what_takes_less_than_a_word_is_far_from_the_cap_of_magnitudes() {
+    for (wavelet, sample_type) in
+        Wavelet::ALL.into_iter().flat_map(|wavelet| SampleType::ALL.map(|sample_type| (wavelet, sample_type)))
+    {
+        for level in 0..LEVELS {
+            let bits = bits(wavelet, sample_type, level);
+            assert!(bits == 32 || bits <= 25, "{wavelet} {sample_type} {level}: {bits} bits");
+        }
+    }
+}
+
 #[test]
 fn deep_levels_and_wide_types_have_words() {
     for wavelet in Wavelet::ALL {
