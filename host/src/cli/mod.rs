@@ -37,10 +37,12 @@ struct Program {
 
 const AFTER_HELP: &str = "\
 Files that are read and written, by their names:
-  .nii .nii.gz .hdr/.img   NIfTI-1 and NIfTI-2
+  .nii .nii.gz .hdr/.img   NIfTI-1 and NIfTI-2, ANALYZE
+  .mgz .mgh                FreeSurfer, which is read only
   .dcm, or a folder        DICOM: a series, or a file of one frame or many
   .nrrd .nhdr              NRRD
   .mha .mhd                MetaImage
+  .mrc .map .map.gz        MRC and CCP4
   .npy .npz                NumPy arrays; .npz is read only
   .tif .tiff               TIFF of one page or many, BigTIFF, ImageJ, OME-TIFF
   .png .pgm .ppm .pfm      slices

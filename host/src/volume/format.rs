@@ -10,8 +10,8 @@ use super::input::Input;
 #[cfg(feature = "zarr")]
 use super::zarr;
 use super::{
-    Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, metaimage, nifti, npy, nrrd, png,
-    pnm, tiff, vtk,
+    Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, metaimage, mgh, mrc, nifti, npy,
+    nrrd, png, pnm, tiff, vtk,
 };
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
@@ -43,6 +43,10 @@ pub enum FileFormat {
     Zarr,
     /// HDF5 or NetCDF, which are read only.
     Hdf5,
+    /// MRC, and maps of CCP4.
+    Mrc,
+    /// FreeSurfer's volumes, which are read only.
+    Mgh,
 }
 
 impl FileFormat {
@@ -67,6 +71,8 @@ impl FileFormat {
             Self::VtkXml => ".vti",
             Self::Zarr => "Zarr",
             Self::Hdf5 => "HDF5 or NetCDF",
+            Self::Mrc => "MRC",
+            Self::Mgh => "FreeSurfer's",
         }
     }
 }
@@ -117,6 +123,8 @@ const FORMATS: &[&dyn Format] = &[
     &npy::Npy,
     &npy::Npz,
     &metaimage::MetaImage,
+    &mgh::Mgh,
+    &mrc::Mrc,
     &nifti::Nifti,
     &tiff::Tiff,
     &png::Png,
@@ -157,16 +165,15 @@ pub(super) fn array_of(path: &Path, extensions: &[&str]) -> (PathBuf, Option<Str
 }
 
 /// Extensions of formats that are not known here, what such a file is, and what to do with one.
-const FOREIGN: [(&[&str], &str, &str); 5] = [
+const FOREIGN: [(&[&str], &str, &str); 4] = [
     (
         &["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"],
         "HDF5 or NetCDF",
         "build with the feature hdf5",
     ),
     (&["zip", "tar", "tgz", "7z"], "an archive", "unpack it first"),
-    (&["mgh", "mgz"], "FreeSurfer's format", "convert it with `mri_convert` to .nii.gz"),
     (
-        &["mrc", "map", "rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif", "fits", "fit", "fts"],
+        &["rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif", "fits", "fit", "fts"],
         "a file of this kind",
         "save it as .tif, .nrrd or .nii with the program that it comes from",
     ),
