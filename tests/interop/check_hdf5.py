@@ -40,6 +40,12 @@ def converted(path):
     return np.load("out.npy")
 
 
+def header_of(path):
+    succeed("compress", path, "out.wlift")
+    header = json.loads(succeed("info", "out.wlift", "--json").stdout)["header"]
+    return {line.get("field", line.get("key")): line["value"] for line in header}
+
+
 def volume(dtype, shape=(13, 14, 15)):
     values = np.random.default_rng(1).integers(0, 100, shape) + np.arange(shape[-1])
     return values.astype(dtype) - (50 if np.dtype(dtype).kind == "f" else 0)
@@ -73,9 +79,7 @@ def check_choice():
         file["name"] = "a text"
     equal("the only field", converted("in.h5"), array)
     equal("a line", converted("in.h5#axis"), np.arange(15.0))
-    succeed("compress", "in.h5", "out.wlift")
-    header = json.loads(succeed("info", "out.wlift", "--json").stdout)["header"]
-    found = {line.get("field", line.get("key")): line["value"] for line in header}
+    found = header_of("in.h5")
     if found != {"content": "field", "sample units": "K", "hdf5.steps": "0 1 2"}:
         sys.exit(f"attributes of HDF5: {found}")
     with h5py.File("two.h5", "w") as file:
@@ -98,12 +102,18 @@ def check_netcdf():
                 file.createDimension(name, count)
             file.createVariable("time", "f8", ("time",))[:] = np.arange(6)
             file.createVariable("lat", "f4", ("lat",))[:] = np.linspace(-60, 60, 14)
+            file.createVariable("lon", "f4", ("lon",))[:] = 0.25 * np.arange(15) + 7
+            file["lon"].units = "degrees_east"
             file.createVariable("time_ends", "f8", ("time", "ends"))[:] = np.zeros((6, 2))
             field = file.createVariable("t2m", "i2", ("time", "lat", "lon"))
             field.setncatts({"units": "K", "scale_factor": 0.01, "add_offset": 273.15})
             field.set_auto_scale(False)
             field[:] = array
         equal(form, converted("in.nc"), array)
+        found = header_of("in.nc")
+        steps = [float(step) for step in found["spacings"].split()]
+        if not np.allclose(steps, [0.25, 120 / 13, 1]) or found["axis mins"] != "7 -60 0":
+            sys.exit(f"{form}: coordinates are {found}")
         told = succeed("convert", "in.nc", "out.raw").stderr
         if "scale_factor" not in told or "add_offset" not in told:
             sys.exit(f"{form}: what raw samples lose is not told: {told}")

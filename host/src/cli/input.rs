@@ -20,7 +20,7 @@ pub(crate) struct RawArgs {
     /// Samples along x, y and z: 64x64x93 (or 64,64,93), 512x512, 1000
     #[arg(long, value_name = "XxYxZ")]
     extent: Option<RankedExtent>,
-    /// Type of a value
+    /// Type of a value; NumPy's names, such as uint16, are taken too
     #[arg(long = "type", value_name = "T", value_parser = element_names())]
     element: Option<ElementType>,
     /// Order of the bytes of a value in the file [default: little]

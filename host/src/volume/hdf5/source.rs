@@ -10,8 +10,8 @@ use netcdf_reader::{
     NcFile, NcFormat, NcMetadataMode, NcOpenOptions, NcReadable, NcSliceInfo, NcSliceInfoElem,
 };
 
-use super::Hdf5Error;
 use super::variable::{self, Variable};
+use super::{Hdf5Error, places};
 use crate::volume::guarded::guarded;
 use crate::volume::input::Input;
 use crate::volume::stored::DEFLATE_EXPANSION;
@@ -86,7 +86,8 @@ fn read(path: &Path, name: Option<&str>) -> Result<Hdf5Source, Hdf5Error> {
             other => reader(other),
         })?;
     let found = variable::find(file.root_group().map_err(reader)?, name)?;
-    let header = found.header()?;
+    let mut header = found.header()?;
+    places::describe(&file, &found, &mut header);
     let Variable { path: name, shape, .. } = found;
     let is_classic = matches!(file.format(), NcFormat::Classic | NcFormat::Offset64 | NcFormat::Cdf5);
     let chunk = if is_classic { None } else { chunk(storage, &name)? };

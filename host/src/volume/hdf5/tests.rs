@@ -115,7 +115,14 @@ fn variables_are_read_with_what_is_said_of_them() {
         assert_eq!(volume::read(named, None).unwrap(), found);
     }
     let heat = volume::read(folder.0.path().join("heat.h5"), None).unwrap();
-    assert_eq!(heat.metadata.key_value("hdf5.range"), Some("1000 1023"));
+    assert_eq!(
+        (heat.metadata.key_value("hdf5.range"), heat.metadata.field("spacings")),
+        (Some("1000 1023"), None)
+    );
+    // Of the axes of `wind` only time has coordinates.
+    let wind = volume::read(folder.0.path().join("wind.nc"), None).unwrap();
+    assert_eq!(wind.metadata.field("spacings"), Some("nan nan 1"));
+    assert_eq!(wind.metadata.field("units"), Some("\"\" \"\" \"m/s\""));
 }
 
 #[test]

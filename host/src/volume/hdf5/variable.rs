@@ -24,7 +24,7 @@ pub(super) struct Variable<'a> {
     pub(super) element: ElementType,
     /// Samples along each axis, slowest first.
     pub(super) shape: Vec<u64>,
-    content: &'a NcVariable,
+    pub(super) content: &'a NcVariable,
 }
 
 /// The variable of that name, or the only one of those with the most axes.
@@ -117,7 +117,7 @@ fn pair(attribute: &NcAttribute) -> Option<HeaderLine> {
 }
 
 /// A text, or numbers with spaces between them.
-fn text_of(value: &NcAttrValue) -> Option<String> {
+pub(super) fn text_of(value: &NcAttrValue) -> Option<String> {
     fn words<T: ToString>(values: &[T]) -> String {
         values.iter().map(T::to_string).collect::<Vec<_>>().join(" ")
     }

@@ -63,12 +63,14 @@ impl MrcHeader {
         header
     }
 
-    /// A header that was kept, in another order of bytes if need be; its extension has numbers that nobody but its
-    /// writer knows, so that it goes with the order that it had. `None` for bytes that are none.
-    pub(super) fn kept(bytes: Vec<u8>) -> Option<Self> {
-        let order = order_of(bytes.get(..BYTES)?);
-        let header = Self { order, bytes };
-        (header.bytes.len() == BYTES + header.integers::<1>(field::EXTENSION)[0] as usize).then_some(header)
+    /// A header that was kept, of which zeros at the end may be missing. `None` for bytes that are none.
+    pub(super) fn kept(mut bytes: Vec<u8>) -> Option<Self> {
+        let end = bytes.len();
+        bytes.resize(end.max(BYTES), 0);
+        let mut header = Self { order: order_of(&bytes), bytes };
+        let extension = header.extension().ok()?;
+        header.bytes.resize(BYTES + extension as usize, 0);
+        (end <= header.bytes.len()).then_some(header)
     }
 
     /// Reads a header and what extends it.
@@ -76,9 +78,7 @@ impl MrcHeader {
         let mut bytes = vec![0; BYTES];
         fill(input, &mut bytes)?;
         let mut header = Self { order: order_of(&bytes), bytes };
-        let extension = header.integers::<1>(field::EXTENSION)[0];
-        let extension = u32::try_from(extension).ok().filter(|bytes| *bytes <= MOST_EXTENSION);
-        let extension = extension.ok_or(HeaderFault::Mrc(MrcError::Extension))?;
+        let extension = header.extension().map_err(HeaderFault::Mrc)?;
         // Memory is taken as bytes arrive.
         let found = input.take(extension.into()).read_to_end(&mut header.bytes).map_err(HeaderFault::Io)?;
         if found as u64 == u64::from(extension) {
@@ -86,6 +86,12 @@ impl MrcHeader {
         } else {
             Err(HeaderFault::Mrc(MrcError::Truncated))
         }
+    }
+
+    /// Bytes of what extends it.
+    fn extension(&self) -> Result<u32, MrcError> {
+        let [bytes] = self.integers(field::EXTENSION);
+        u32::try_from(bytes).ok().filter(|bytes| *bytes <= MOST_EXTENSION).ok_or(MrcError::Extension)
     }
 
     pub(super) fn integers<const N: usize>(&self, place: usize) -> [i32; N] {

@@ -9,7 +9,7 @@ use crate::volume::{
     Axis, ByteOrder, ElementType, FileFormat, Geometry, Header, HeaderLine, Metadata, Origin, Space,
 };
 
-/// Key of the whole header, its extension included, in base64.
+/// Key of the whole header, its extension included but for zeros at the end, in base64.
 const HEADER: &str = "mrc.header";
 
 /// Keys of the labels, texts of up to 80 letters, begin so, and end in a number.
@@ -56,7 +56,8 @@ pub(super) fn read(file: &MrcHeader) -> Result<(Header, bool), MrcError> {
         let text = String::from_utf8_lossy(&file.bytes[first + label * length..][..length]);
         metadata.set_key_value(&format!("{LABEL}{label}"), text.trim_end_matches(['\0', ' ']));
     }
-    metadata.set_key_value(HEADER, &STANDARD.encode(&file.bytes));
+    let end = file.bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    metadata.set_key_value(HEADER, &STANDARD.encode(&file.bytes[..end]));
     let header = Header::of_axes(&sizes, element, metadata).map_err(MrcError::Extent)?;
     Ok((header, is_half))
 }
@@ -104,13 +105,17 @@ pub(super) fn written(header: &Header, order: ByteOrder) -> Result<(MrcHeader, V
         describe(&mut file, header)?;
     }
     let is_placed =
-        metadata.geometry().is_none_or(|wanted| geometry(&file).is_some_and(|found| is_near(found, wanted)));
+        places(metadata).is_some_and(|wanted| geometry(&file).is_some_and(|found| is_near(found, wanted)));
     let mut rest = metadata.clone();
     rest.lines.retain(|line| match line {
         HeaderLine::Field { name, value } => {
             let is = |known| crate::volume::metadata::is_same_name(known, name);
-            !(is_placed && (line.is_geometry() || is("space units") && value == UNIT)
-                || is("kinds") && value.starts_with("complex") && header.components == 2)
+            // There is no place for the distance of time steps.
+            let is_step = is("spacings") && header.steps > 1;
+            let is_length = is("space units") || is("units") && header.steps == 1;
+            let is_place = line.is_geometry() && !is("space") && !is_step || is_length;
+            let is_kind = is("kinds") && value.starts_with("complex") && header.components == 2;
+            !(is_placed && is_place || is_kind)
         }
         HeaderLine::KeyValue { key, .. } => key != HEADER && !key.starts_with(LABEL),
         HeaderLine::Comment(_) => true,
@@ -125,7 +130,7 @@ fn holds(file: &MrcHeader, header: &Header) -> bool {
         (own.extent, own.components, own.steps, own.element)
             == (header.extent, header.components, header.steps, header.element)
     };
-    is_like(&own) && !is_half && own.metadata.geometry() == header.metadata.geometry()
+    is_like(&own) && !is_half && places(&own.metadata) == places(&header.metadata)
 }
 
 /// Says anew what there is of samples and places; texts and what nobody here knows stay.
@@ -162,7 +167,7 @@ fn describe(file: &mut MrcHeader, header: &Header) -> Result<(), String> {
     file.set_reals(field::RANGE, [0.0, -1.0, -2.0]);
     file.set_reals(field::DEVIATION, [-1.0]);
     file.set_reals(field::ANGLES, [90.0; 3]);
-    let placed = header.metadata.geometry();
+    let placed = places(&header.metadata);
     let spacing = placed.map_or([0.0; 3], |placed| placed.spacing());
     let counts = [x, y, z].map(f64::from);
     file.set_reals(field::CELL, [0, 1, 2].map(|axis| (spacing[axis] * counts[axis]) as f32));
@@ -170,9 +175,35 @@ fn describe(file: &mut MrcHeader, header: &Header) -> Result<(), String> {
     Ok(())
 }
 
+/// Where the samples lie, in ångström of a space without a name; lengths without a unit are taken as they are. `None` for
+/// a unit that is not known.
+fn places(metadata: &Metadata) -> Option<Geometry> {
+    let Geometry { directions, origin, .. } = metadata.geometry()?;
+    let units = metadata.field("space units").or_else(|| metadata.axis_entry("units", Axis::X));
+    let unit = match units.and_then(|units| units.split('"').nth(1)) {
+        Some(name) => angstrom(name)?,
+        None => 1.0,
+    };
+    let scaled = |vector: [f64; 3]| vector.map(|part| part * unit);
+    Some(Geometry { space: Space::Unnamed, directions: directions.map(scaled), origin: scaled(origin) })
+}
+
+/// Ångström of a unit.
+fn angstrom(name: &str) -> Option<f64> {
+    Some(match name {
+        "" | "angstrom" | "Å" => 1.0,
+        "nm" => 10.0,
+        "um" | "µm" | "micron" | "microns" => 1e4,
+        "mm" => 1e7,
+        "cm" => 1e8,
+        "m" => 1e10,
+        _ => return None,
+    })
+}
+
 /// Whether places are the same but for what floats of 32 bits round.
 fn is_near(found: Geometry, wanted: Geometry) -> bool {
     let numbers = |of: Geometry| of.directions.into_iter().flatten().chain(of.origin);
     let near = |(found, wanted): (f64, f64)| (found - wanted).abs() <= 1e-6 * wanted.abs();
-    found.space == wanted.space && numbers(found).zip(numbers(wanted)).all(near)
+    numbers(found).zip(numbers(wanted)).all(near)
 }

@@ -113,9 +113,19 @@ fn volumes_of_other_formats_are_written_with_their_places() {
         assert_eq!((found.extent, &found.samples), (volume.extent, &volume.samples));
         assert_eq!(found.metadata.geometry(), volume.metadata.geometry());
     }
+    // In other units, and in a space with a name, which alone is lost.
+    volume.metadata.set_field("space", "left-posterior-superior");
+    volume.metadata.set_field("space units", "\"nm\" \"nm\" \"nm\"");
+    let path = folder.path().join("new.mrc");
+    assert_eq!(volume::write(&volume, &path, &WriteOptions::default()).unwrap(), ["space"]);
+    let found = volume::read(&path, None).unwrap().metadata.geometry().unwrap();
+    assert_eq!((found.spacing(), found.origin), ([15.0, 15.0, 22.5], [100.0, 0.0, -30.0]));
     volume.metadata.set_field("space directions", "(1,1,0) (-1,1,0) (0,0,1)");
     let losses = volume::write(&volume, folder.path().join("new.mrc"), &WriteOptions::default()).unwrap();
     assert!(losses.iter().any(|loss| loss == "space directions"), "{losses:?}");
+    volume.metadata.set_field("space units", "\"px\" \"px\" \"px\"");
+    let losses = volume::write(&volume, &path, &WriteOptions::default()).unwrap();
+    assert!(losses.iter().any(|loss| loss == "space units"), "{losses:?}");
     let bytes = generate(Kind::Waves, [7, 6, 5], ElementType::U8, 1);
     volume::write(&bytes, folder.path().join("new.mrc"), &WriteOptions::default()).unwrap_err();
 }
