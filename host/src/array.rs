@@ -9,8 +9,8 @@ use std::num::NonZeroUsize;
 use bytemuck::{cast_slice, cast_slice_mut};
 use ndarray::{Array3, Array5, ArrayView3, ArrayView5, ArrayViewMut3, Axis};
 
-use crate::codec::{Container, ContainerError, Part};
-use crate::progress::Progress;
+use crate::codec::{CompressError, CompressOptions, Container, ContainerError, Part, compress_stream};
+use crate::progress::{Progress, ignore};
 use crate::volume::{ElementType, Fault, FileFormat, Geometry, Header, InMemory, Metadata, Sample, Volume};
 
 /// Why samples cannot be in an array.
@@ -53,6 +53,14 @@ impl ArrayError {
 
 /// # Arrays
 impl Container {
+    /// Reads the only volume, all of it, into an array of the shape `[z, y, x]`, on all cores.
+    ///
+    /// # Errors
+    /// As [`Container::read_array`].
+    pub fn to_array<T: Sample>(&self) -> Result<Array3<T>, ArrayError> {
+        self.read_array(&Part::default(), None, &ignore)
+    }
+
     /// Reads one volume of single values, or a part of it, into an array of the shape `[z, y, x]`, on `threads` threads
     /// (`None`: one per core); bricks outside it are not touched.
     ///
@@ -190,7 +198,7 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// A volume of the shape `[z, y, x]`.
+    /// A volume of the shape `[z, y, x]`; an image is one of a single slice, by `insert_axis(Axis(0))`.
     ///
     /// # Errors
     /// [`ArrayError::Empty`].
@@ -253,6 +261,28 @@ impl<'a> Samples<'a> {
     /// All but the values.
     pub const fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// The bytes of a compressed file of the values: [`compress_stream`] into memory.
+    ///
+    /// ```
+    /// use wavelift_host::array::Samples;
+    /// use wavelift_host::codec::{CompressOptions, Container};
+    /// use wavelift_host::ndarray::Array3;
+    ///
+    /// let array = Array3::from_shape_fn((9, 20, 30), |(z, y, x)| (z * y + x) as u16);
+    /// let bytes = Samples::of_array(array.view())?.compress(&CompressOptions::default())?;
+    /// let back: Array3<u16> = Container::new(Box::new(bytes))?.to_array()?;
+    /// assert_eq!(back, array);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`CompressError`]: options that are contradictory.
+    pub fn compress(&self, options: &CompressOptions) -> Result<Vec<u8>, CompressError> {
+        let mut bytes = Vec::new();
+        compress_stream(&mut self.source(), options, &mut bytes, &ignore)?;
+        Ok(bytes)
     }
 
     /// A source of the values, to be compressed or copied.

@@ -1,4 +1,4 @@
-"""Volumes of NIfTI, MetaImage, NRRD and NumPy between wavelift and nibabel, SimpleITK, pynrrd and NumPy.
+"""Volumes of NIfTI, MetaImage, NRRD, MRC and NumPy between wavelift and nibabel, SimpleITK, pynrrd, mrcfile and NumPy.
 
 python check_medical.py --wavelift BIN [--data DIR]
 
@@ -15,6 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import mrcfile
 import nibabel
 import nrrd
 import numpy as np
@@ -242,6 +243,61 @@ def check_nrrd(check):
         expect(header["kinds"] == kinds, f"NRRD kinds {kinds}: {header['kinds']}")
 
 
+def check_freesurfer(check):
+    """nibabel writes ANALYZE and FreeSurfer's volumes: values and, where they are said, positions are those of NIfTI."""
+    for kind, shape in itertools.product(["u1", "i2", "i4", "f4"], [(7, 6, 5), (7, 6, 5, 3)]):
+        data = noise(shape, kind)
+        for name in ["a.mgh", "a.mgz"]:
+            nibabel.save(nibabel.MGHImage(data, AFFINE.astype("f4")), check.path(name))
+            check.convert(name, "b.nii.gz")
+            found, expected = nibabel.load(check.path("b.nii.gz")), nibabel.load(check.path(name))
+            same(raw(found), data, f"{name} {kind} {shape}")
+            close = np.allclose(found.affine, expected.affine, rtol=1e-5, atol=1e-5)
+            expect(close, f"{name}: positions are\n{found.affine}\nnot\n{expected.affine}")
+        image = nibabel.AnalyzeImage(data, np.diag([0.5, 0.75, 2.0, 1.0]))
+        for order in "<>":
+            swapped = nibabel.AnalyzeImage(data, image.affine, image.header.as_byteswapped(order))
+            nibabel.save(swapped, check.path("a.img"))
+            check.convert("a.img", "c.nii")
+            found = nibabel.load(check.path("c.nii"))
+            same(raw(found), data, f"ANALYZE {order}{kind} {shape}")
+            expect(np.allclose(found.header.get_zooms()[:3], [0.5, 0.75, 2.0]), f"ANALYZE: {found.header.get_zooms()}")
+            codes = [int(found.header[code]) for code in ("qform_code", "sform_code")]
+            expect(codes == [0, 0], f"ANALYZE says where it lies: {codes}")
+
+
+def check_mrc(check):
+    """mrcfile writes; wavelift writes the same bytes, and files of its own that mrcfile finds nothing wrong with."""
+    for kind, order in itertools.product(["i1", "i2", "u2", "f2", "f4", "c8"], "<>"):
+        data = noise((5, 6, 7), {"f2": "i1", "c8": "f4"}.get(kind, kind)).astype(order + kind)
+        for name, opened in [("a.mrc", mrcfile.new), ("a.map.gz", lambda *all, **more: mrcfile.new(*all, compression="gzip", **more))]:
+            with opened(str(check.path(name)), data=data, overwrite=True) as file:
+                file.voxel_size = (1.5, 1.5, 2.25)
+                file.header.origin = (10, 0, -3)
+                file.set_extended_header(np.frombuffer(b"an extended header of any length", dtype="V1"))
+                file.add_label("a label")
+            check.convert(name, "b.mrc")
+            expected = data.astype("f4") if kind == "f2" else data
+            with mrcfile.open(check.path("b.mrc")) as found:
+                same(found.data, expected, f"MRC {order}{kind}")
+                expect(found.voxel_size.tolist() == (1.5, 1.5, 2.25), f"MRC {kind}: voxels are {found.voxel_size}")
+                expect(found.header.origin.tolist() == (10, 0, -3), f"MRC {kind}: origin is {found.header.origin}")
+            if name == "a.mrc" and kind != "f2":
+                kept = check.path("b.mrc").read_bytes() == check.path("a.mrc").read_bytes()
+                expect(kept, f"MRC {order}{kind}: other bytes")
+    for kind in ["i1", "i2", "u2", "f4"]:
+        data = noise((5, 6, 7), kind)
+        image = sitk.GetImageFromArray(data)
+        image.SetSpacing((0.5, 0.75, 2.0))
+        sitk.WriteImage(image, str(check.path("a.nrrd")))
+        for name in ["b.mrc", "b.map.gz"]:
+            check.convert("a.nrrd", name)
+            with mrcfile.open(check.path(name)) as found:
+                same(found.data, data, f"NRRD {kind} to MRC")
+                expect(found.voxel_size.tolist() == (0.5, 0.75, 2.0), f"NRRD to MRC: voxels are {found.voxel_size}")
+    expect(mrcfile.validate(str(check.path("b.mrc"))), "mrcfile finds something wrong with b.mrc")
+
+
 def check_numpy(check):
     for shape, order in [((5, 4, 3, 2), "C"), ((2, 5, 4, 3, 3), "C"), ((6, 5, 4, 9), "F"), ((4, 3), "F"), ((7,), "C")]:
         for kind in TYPES:
@@ -290,7 +346,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         check = Check(options.wavelift.resolve(), Path(folder))
         try:
-            for part in [check_nifti, check_colours, check_itk, check_nrrd, check_numpy]:
+            for part in [check_nifti, check_colours, check_freesurfer, check_itk, check_nrrd, check_mrc, check_numpy]:
                 before = check.count
                 part(check)
                 print(f"{part.__name__}: {check.count - before} runs of wavelift agree", flush=True)

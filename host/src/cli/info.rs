@@ -9,6 +9,7 @@ use wavelift_host::volume::{HeaderLine, Metadata, sample_bytes};
 use super::bound;
 use super::compress::steps_document;
 use super::exit::Failure;
+use super::input::input_path;
 use super::output::{print, print_json};
 
 /// Tell what a compressed file holds, without decoding it
@@ -21,6 +22,7 @@ Examples:
   wavelift info head.wlift --json")]
 pub(crate) struct Args {
     /// Compressed file
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Write one JSON document instead of text
     #[arg(long)]

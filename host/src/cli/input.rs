@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::value_parser;
 use wavelift_host::codec::Container;
 use wavelift_host::volume::{
@@ -20,7 +20,7 @@ pub(crate) struct RawArgs {
     /// Samples along x, y and z: 64x64x93 (or 64,64,93), 512x512, 1000
     #[arg(long, value_name = "XxYxZ")]
     extent: Option<RankedExtent>,
-    /// Type of a value
+    /// Type of a value; NumPy's names, such as uint16, are taken too
     #[arg(long = "type", value_name = "T", value_parser = element_names())]
     element: Option<ElementType>,
     /// Order of the bytes of a value in the file [default: little]
@@ -169,17 +169,22 @@ fn usage(message: &str) -> Failure {
 
 /// Takes a path; `-` is standard input, and `./-` a file of that name.
 pub(crate) fn input_path() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().map(|path| if path == Path::new("-") { "/dev/stdin".into() } else { path })
+    path_or("/dev/stdin")
 }
 
-/// Takes the name of a sample type.
+/// Takes a path; `-` stands for `device`.
+pub(crate) fn path_or(device: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(move |path| if path == Path::new("-") { device.into() } else { path })
+}
+
+/// Takes the name of a sample type; NumPy's too, which help does not list.
 pub(crate) fn element_names() -> impl TypedValueParser<Value = ElementType> {
-    names(ElementType::ALL.map(ElementType::name))
+    names(ElementType::ALL.map(|element| PossibleValue::new(element.name()).alias(element.long_name())))
 }
 
 /// Takes `little` or `big`.
 pub(crate) fn byte_order_names() -> impl TypedValueParser<Value = ByteOrder> {
-    names([ByteOrder::Little, ByteOrder::Big].map(ByteOrder::name))
+    names([ByteOrder::Little, ByteOrder::Big].map(|order| PossibleValue::new(order.name())))
 }
 
 /// Takes the name of one of the six wavelets.
@@ -191,7 +196,7 @@ pub(crate) fn wavelet_names() -> impl TypedValueParser<Value = Wavelet> {
 }
 
 /// Takes one of `names`, so that help lists them and a misspelt one is told from them.
-fn names<T, const N: usize>(names: [&'static str; N]) -> impl TypedValueParser<Value = T>
+fn names<T, const N: usize>(names: [PossibleValue; N]) -> impl TypedValueParser<Value = T>
 where
     T: FromStr + Clone + Send + Sync + 'static,
 {
@@ -248,6 +253,12 @@ mod tests {
     fn names_are_taken_from_their_lists() {
         for wavelet in Wavelet::ALL {
             assert_eq!(parse(&format!("--wavelet {}", wavelet.name())).unwrap().wavelet, Some(wavelet));
+        }
+        for element in ElementType::ALL {
+            for name in [element.name(), element.long_name()] {
+                let parsed = parse(&format!("--extent 4 --type {name}")).unwrap();
+                assert_eq!(parsed.raw.element, Some(element));
+            }
         }
         for wrong in ["--wavelet none", "--type U8", "--byte-order middle", "--extent 4x0"] {
             assert!(parse(wrong).is_err_and(|error| error.exit_code() == 2), "{wrong}");

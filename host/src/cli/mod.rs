@@ -37,15 +37,18 @@ struct Program {
 
 const AFTER_HELP: &str = "\
 Files that are read and written, by their names:
-  .nii .nii.gz .hdr/.img   NIfTI-1 and NIfTI-2
+  .nii .nii.gz .hdr/.img   NIfTI-1 and NIfTI-2, ANALYZE
+  .mgz .mgh                FreeSurfer, which is read only
   .dcm, or a folder        DICOM: a series, or a file of one frame or many
   .nrrd .nhdr              NRRD
   .mha .mhd                MetaImage
-  .npy                     NumPy array
+  .mrc .map .map.gz        MRC and CCP4
+  .npy .npz                NumPy arrays; .npz is read only
   .tif .tiff               TIFF of one page or many, BigTIFF, ImageJ, OME-TIFF
   .png .pgm .ppm .pfm      slices
   .vti .vtk                VTK images
   .zarr .ome.zarr          Zarr 2 and 3, OME-Zarr
+  .h5 .nc, FILE#VARIABLE   HDF5 and NetCDF, which are read only
   any other                raw samples, which need --extent and --type
   scan_%04d.tif, *.png     a file for each slice: numbers for %d or ###, anything for *, or a folder of them
 

@@ -4,11 +4,12 @@ use std::fmt;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use clap::builder::{PathBufValueParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 use wavelift_host::atomic::AtomicFile;
 use wavelift_host::volume::{Fault, FileFormat, in_words};
 
 use super::exit::Failure;
+use super::input::path_or;
 
 /// Writes `text` to standard output. A reader that has gone away, such as `head`, is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -67,7 +68,7 @@ pub(crate) fn write_atomically<T>(
 
 /// Takes a path; `-` is standard output, and `./-` a file of that name.
 pub(crate) fn output_path() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().map(|path| if path == Path::new("-") { "/dev/stdout".into() } else { path })
+    path_or("/dev/stdout")
 }
 
 /// Names of standard output as a file.

@@ -3,7 +3,7 @@
 use std::panic;
 
 /// Crates whose panics are caught, and told as faults of the file that they read.
-const CAUGHT: [&str; 3] = ["zarrs", "bytes-", "hayro-jpeg2000"];
+const CAUGHT: [&str; 5] = ["zarrs", "bytes-", "hayro-jpeg2000", "hdf5-", "netcdf-"];
 
 /// Keeps the text of panics that are caught from standard error; all others are printed as ever.
 pub(crate) fn print_no_caught() {

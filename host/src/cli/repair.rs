@@ -9,8 +9,10 @@ use wavelift_host::volume::Fault;
 
 use super::choice::parse_threads;
 use super::exit::Failure;
-use super::input::refuse_same_file;
-use super::output::{JSON_AND_OUTPUT, print, print_json, refuse_standard_output, say, write_atomically};
+use super::input::{input_path, refuse_same_file};
+use super::output::{
+    JSON_AND_OUTPUT, output_path, print, print_json, refuse_standard_output, say, write_atomically,
+};
 use super::progress::Bar;
 
 /// Save what is whole of a damaged or truncated file
@@ -26,8 +28,10 @@ Examples:
   wavelift repair damaged.wlift saved.wlift --json")]
 pub(crate) struct Args {
     /// Damaged or truncated file
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Whole file to write
+    #[arg(value_parser = output_path())]
     pub(crate) output: PathBuf,
     /// Threads to work on [default: one per core]
     #[arg(long, value_name = "N", value_parser = parse_threads)]

@@ -33,6 +33,7 @@ Examples:
   wavelift verify engine.wlift engine.raw")]
 pub(crate) struct Args {
     /// Compressed file
+    #[arg(value_parser = input_path())]
     pub(crate) input: PathBuf,
     /// Volume that was compressed: of any format that wavelift knows, or raw samples, which are taken to lie as the compressed file
     /// says unless --extent, --type or --byte-order say otherwise

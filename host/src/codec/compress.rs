@@ -151,7 +151,8 @@ pub(super) fn head(header: &Header, options: &CompressOptions) -> Result<Head, C
 pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), CompressError> {
     let say = |extent: [u64; 3], components, element: ElementType| {
         let [x, y, z] = extent;
-        format!("{x}x{y}x{z} {element} of {components} components")
+        let components = if components == 1 { String::new() } else { format!(" of {components} components") };
+        format!("{x}x{y}x{z} {element}{components}")
     };
     let there = say(head.extent, head.components, head.element);
     let given = say(header.extent, header.components, header.element);

@@ -175,7 +175,7 @@ pub enum ContainerError {
         cause: &'static str,
     },
     /// A brick contradicts its checksum or cannot be decoded.
-    #[error("damaged: {} (samples {}): {cause}", name_of(place), region_of(brick))]
+    #[error("damaged: {} (samples {}): {cause}", name_of(place), super::Region::from(*brick))]
     Brick {
         /// Which one it is.
         place: Place,
@@ -309,12 +309,5 @@ fn name_of(place: &Place) -> String {
         (0, 0) => format!("brick {brick}"),
         (_, 0) => format!("brick {brick} of time step {step}"),
         _ => format!("brick {brick} of time step {step}, component {component}"),
-    }
-}
-
-fn region_of(brick: &Brick) -> super::Region {
-    super::Region {
-        from: brick.origin,
-        to: super::grid::per_axis(|axis| brick.origin[axis] + u64::from(brick.sides[axis])),
     }
 }

@@ -102,6 +102,31 @@ impl Grid {
         Brick { origin, sides: per_axis(|axis| left(axis).min(self.sides[axis].into()) as u32) }
     }
 
+    /// All bricks in order, each of which is a [`Region`](super::Region) to be read.
+    ///
+    /// ```
+    /// use wavelift_host::array::Samples;
+    /// use wavelift_host::codec::{CompressOptions, Container, Part};
+    /// use wavelift_host::ndarray::Array3;
+    /// use wavelift_host::progress::ignore;
+    ///
+    /// let ramp = Array3::from_shape_fn((20, 30, 40), |(z, y, x)| (z + y + x) as f32);
+    /// let options = CompressOptions { brick: Some([16; 3]), ..CompressOptions::default() };
+    /// let container = Container::new(Box::new(Samples::of_array(ramp.view())?.compress(&options)?))?;
+    ///
+    /// let mut sum = 0.0;
+    /// for brick in container.grid(0)?.iter() {
+    ///     let samples: Array3<f32> = container.read_array(&Part::region(brick), None, &ignore)?;
+    ///     sum += samples.sum();
+    /// }
+    /// assert_eq!(sum, ramp.sum());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn iter(&self) -> impl Iterator<Item = Brick> + use<> {
+        let grid = *self;
+        (0..grid.bricks()).map(move |index| grid.brick(index))
+    }
+
     /// The numbers, in order, of the bricks that the samples `from .. to` of a region lie in.
     pub fn bricks_in(&self, from: [u64; 3], to: [u64; 3]) -> impl Iterator<Item = u64> + use<> {
         let [across, down, _] = self.counts();

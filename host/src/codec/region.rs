@@ -30,6 +30,13 @@ impl From<[Range<u64>; 3]> for Region {
     }
 }
 
+/// The samples of a brick.
+impl From<Brick> for Region {
+    fn from(Brick { origin, sides }: Brick) -> Self {
+        Self { from: origin, to: per_axis(|axis| origin[axis] + u64::from(sides[axis])) }
+    }
+}
+
 /// A text that is not of the form `X0:X1,Y0:Y1,Z0:Z1`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is not a region: write X0:X1,Y0:Y1,Z0:Z1, each end beyond its beginning")]

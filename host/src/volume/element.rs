@@ -55,6 +55,22 @@ impl ElementType {
         }
     }
 
+    /// NumPy's name of it, which is taken as well: `uint8` to `float64`.
+    pub const fn long_name(self) -> &'static str {
+        match self {
+            Self::U8 => "uint8",
+            Self::I8 => "int8",
+            Self::U16 => "uint16",
+            Self::I16 => "int16",
+            Self::U32 => "uint32",
+            Self::I32 => "int32",
+            Self::U64 => "uint64",
+            Self::I64 => "int64",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+        }
+    }
+
     /// Bytes of one sample: 1, 2, 4 or 8.
     pub const fn bytes(self) -> usize {
         match self {
@@ -92,9 +108,10 @@ pub struct UnknownElementType {
 impl FromStr for ElementType {
     type Err = UnknownElementType;
 
-    /// Finds the type of that [`name`](Self::name).
+    /// Finds the type of that [`name`](Self::name) or [`long_name`](Self::long_name).
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let found = Self::ALL.into_iter().find(|element| element.name() == text);
+        let found =
+            Self::ALL.into_iter().find(|element| [element.name(), element.long_name()].contains(&text));
         found.ok_or_else(|| UnknownElementType { text: text.to_owned() })
     }
 }

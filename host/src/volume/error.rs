@@ -256,6 +256,17 @@ pub enum WriteError {
         /// File in question.
         path: PathBuf,
     },
+    /// The name of a format that is not written.
+    #[error(
+        "{}: {what} is not written: give the extension of a format that is, or .raw for the samples alone",
+        path.display()
+    )]
+    Foreign {
+        /// File in question.
+        path: PathBuf,
+        /// What such a file would be taken for.
+        what: &'static str,
+    },
     /// A data set that the format cannot hold.
     #[error("{}: {} files cannot hold {what}", path.display(), format.name())]
     CannotHold {
@@ -302,6 +313,7 @@ impl WriteError {
             Self::SampleBytes { .. } => Fault::Data,
             Self::NoGzip { .. }
             | Self::Compressed { .. }
+            | Self::Foreign { .. }
             | Self::CannotHold { .. }
             | Self::SlicesExist { .. }
             | Self::DataFileExists { .. } => Fault::Usage,
@@ -317,6 +329,7 @@ impl WriteError {
             Self::SampleBytes { expected, found, .. } => Self::SampleBytes { path, expected, found },
             Self::NoGzip { .. } => Self::NoGzip { path },
             Self::Compressed { .. } => Self::Compressed { path },
+            Self::Foreign { what, .. } => Self::Foreign { path, what },
             Self::CannotHold { format, what, .. } => Self::CannotHold { path, format, what },
             other @ (Self::SlicesExist { .. } | Self::DataFileExists { .. }) => other,
         }

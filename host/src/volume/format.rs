@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+#[cfg(feature = "hdf5")]
+use super::hdf5;
 use super::input::Input;
 #[cfg(feature = "zarr")]
 use super::zarr;
 use super::{
-    Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, metaimage, nifti, npy, nrrd, png,
-    pnm, tiff, vtk,
+    Created, Header, ReadError, Source, WriteError, WriteOptions, dicom, metaimage, mgh, mrc, nifti, npy,
+    nrrd, png, pnm, tiff, vtk,
 };
 
 /// File formats of volumes. New ones go to the end: their places are in compressed files.
@@ -39,6 +41,12 @@ pub enum FileFormat {
     VtkXml,
     /// A folder of Zarr: an array or an image.
     Zarr,
+    /// HDF5 or NetCDF, which are read only.
+    Hdf5,
+    /// MRC, and maps of CCP4.
+    Mrc,
+    /// FreeSurfer's volumes, which are read only.
+    Mgh,
 }
 
 impl FileFormat {
@@ -62,6 +70,9 @@ impl FileFormat {
             Self::VtkLegacy => ".vtk",
             Self::VtkXml => ".vti",
             Self::Zarr => "Zarr",
+            Self::Hdf5 => "HDF5 or NetCDF",
+            Self::Mrc => "MRC",
+            Self::Mgh => "FreeSurfer's",
         }
     }
 }
@@ -112,6 +123,8 @@ const FORMATS: &[&dyn Format] = &[
     &npy::Npy,
     &npy::Npz,
     &metaimage::MetaImage,
+    &mgh::Mgh,
+    &mrc::Mrc,
     &nifti::Nifti,
     &tiff::Tiff,
     &png::Png,
@@ -121,6 +134,8 @@ const FORMATS: &[&dyn Format] = &[
     &vtk::VtkXml,
     #[cfg(feature = "zarr")]
     &zarr::Zarr,
+    #[cfg(feature = "hdf5")]
+    &hdf5::Hdf5,
 ];
 
 /// The format of a path.
@@ -149,26 +164,44 @@ pub(super) fn array_of(path: &Path, extensions: &[&str]) -> (PathBuf, Option<Str
     if is_known && !path.exists() { (file.into(), Some(name.to_owned())) } else { whole() }
 }
 
+/// Extensions of formats that are not known here, what such a file is, and what to do with one.
+const FOREIGN: [(&[&str], &str, &str); 4] = [
+    (
+        &["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"],
+        "HDF5 or NetCDF",
+        "build with the feature hdf5",
+    ),
+    (&["zip", "tar", "tgz", "7z"], "an archive", "unpack it first"),
+    (
+        &["rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif", "fits", "fit", "fts"],
+        "a file of this kind",
+        "save it as .tif, .nrrd or .nii with the program that it comes from",
+    ),
+    (
+        &["jpg", "jpeg", "jp2", "j2k", "jls", "jxl", "bmp", "gif", "webp", "pbm", "pam", "exr", "heic"],
+        "a picture of this kind",
+        "save it as .png or .tif",
+    ),
+];
+
+fn foreign(path: &Path) -> Option<[&'static str; 2]> {
+    let found = FOREIGN.iter().find(|(extensions, ..)| has_extension(path, extensions));
+    found.map(|&(_, what, advice)| [what, advice])
+}
+
 /// What to do with a file of no format known here.
 pub(super) fn unknown(path: &Path) -> String {
-    let extensions: [(&[&str], &str); 5] = [
-        (&["h5", "hdf5", "hdf", "nc", "nc4", "cdf", "mat", "ims"], "HDF5, NetCDF and their kin are not read"),
-        (&["zip", "tar", "tgz", "7z"], "an archive is not read: unpack it first"),
-        (&["mgh", "mgz"], "FreeSurfer's format is not read: convert it with `mri_convert` to .nii.gz"),
-        (
-            &["mrc", "map", "rec", "gipl", "mnc", "nd2", "czi", "lif", "oib", "oif", "fits", "fit", "fts"],
-            "a file of this kind is not read",
-        ),
-        (
-            &["jpg", "jpeg", "jp2", "j2k", "jls", "jxl", "bmp", "gif", "webp", "pbm", "pam", "exr", "heic"],
-            "pictures of this kind are not read: save them as .png or .tif",
-        ),
-    ];
-    let found = extensions.iter().find(|(extensions, _)| has_extension(path, extensions));
-    match found {
-        Some((_, why)) => format!("{why} (if it is a raw file, give --extent XxYxZ and --type T)"),
+    match foreign(path) {
+        Some([what, advice]) => {
+            format!("{what} is not read: {advice} (if it is a raw file, give --extent XxYxZ and --type T)")
+        }
         None => "a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
                  the first bytes are those of a format that is read)"
             .to_owned(),
     }
+}
+
+/// What a file would be taken for that is written with such a name, if that is not what it is.
+pub(super) fn mistaken(path: &Path) -> Option<&'static str> {
+    foreign(path).map(|[what, _]| what)
 }

@@ -2,10 +2,9 @@
 //!
 //! Source: ITU-T T.800, as the crate hayro-jpeg2000 reads it; A.5.1 for the head.
 
-use std::panic::catch_unwind;
-
 use hayro_jpeg2000::{DecodeSettings, DecoderContext, Image};
 
+use super::guarded::guarded;
 use super::raster::Raster;
 
 /// What every codestream begins with: its start, and the mark of its sizes.
@@ -20,7 +19,7 @@ const DEPTH: usize = 42;
 /// Memory: some bytes a value, and only for a picture that is as large as it has to be.
 pub(super) fn decode(picture: &[u8], expected: Raster) -> Result<Vec<u8>, String> {
     // A damaged picture may lead to sums that overflow in the crate.
-    catch_unwind(|| decode_trusting(picture, expected)).unwrap_or_else(|_| Err("it is damaged".to_owned()))
+    guarded(|| decode_trusting(picture, expected))
 }
 
 fn decode_trusting(picture: &[u8], expected: Raster) -> Result<Vec<u8>, String> {

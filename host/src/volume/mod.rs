@@ -11,7 +11,10 @@ mod error;
 mod extent;
 mod format;
 mod geometry;
+mod guarded;
 mod half;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod header;
 mod input;
 mod joined;
@@ -19,6 +22,8 @@ mod jpeg;
 mod jpeg2000;
 mod metadata;
 mod metaimage;
+mod mgh;
+mod mrc;
 mod nifti;
 mod npy;
 mod nrrd;
@@ -55,9 +60,13 @@ pub use error::{Fault, Found, ReadError, WriteError, in_words};
 pub use extent::{ExtentError, RankedExtent};
 pub use format::FileFormat;
 pub use geometry::{Geometry, Space};
+#[cfg(feature = "hdf5")]
+pub use hdf5::Hdf5Error;
 pub use header::Header;
 pub use metadata::{HeaderLine, Metadata, Origin};
 pub use metaimage::MetaImageError;
+pub use mgh::MghError;
+pub use mrc::MrcError;
 pub use nifti::NiftiError;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;
@@ -242,8 +251,8 @@ fn losses(metadata: &Metadata) -> Vec<String> {
 /// intercept, which is 0 if not.
 fn is_rescaling(key: &str, value: &str) -> bool {
     let usual: &[f64] = match key {
-        "nifti.scl_slope" | "dicom.0028,1053" => &[0.0, 1.0],
-        "nifti.scl_inter" | "dicom.0028,1052" => &[0.0],
+        "nifti.scl_slope" | "dicom.0028,1053" | "hdf5.scale_factor" => &[0.0, 1.0],
+        "nifti.scl_inter" | "dicom.0028,1052" | "hdf5.add_offset" => &[0.0],
         _ => return false,
     };
     let is_usual = |number: f64| number.is_nan() || usual.contains(&number);

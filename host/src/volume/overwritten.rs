@@ -3,20 +3,22 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::format;
+use super::format::{self, Format};
 
 /// The first of `files`, as a source tells them, that would not be what it is any more once `output` is written: it is
 /// that, or the file of its samples, or lies in the folder that it replaces; or is a folder that it lies in.
 ///
 /// Symbolic links are followed.
 pub fn overwritten(files: &[PathBuf], output: &Path) -> Option<PathBuf> {
-    let written =
-        format::of_path(output).map_or_else(|| vec![output.to_owned()], |format| format.writes(output));
+    let format = format::of_path(output);
+    let written = format.map_or_else(|| vec![output.to_owned()], |format| format.writes(output));
+    // Any other folder is in the way of a file, and stays.
+    let is_folder = format.is_some_and(Format::takes_folders);
     let written: Vec<PathBuf> = written.iter().map(|path| resolved(path)).collect();
     let is_hit = |file: &&PathBuf| {
         let file = resolved(file);
         // Of a relation between a folder and what is in it, or of one file to itself.
-        written.iter().any(|path| path.starts_with(&file) || file.starts_with(path))
+        written.iter().any(|path| path.starts_with(&file) || is_folder && file.starts_with(path))
     };
     files.iter().find(is_hit).cloned()
 }
@@ -52,6 +54,7 @@ mod tests {
             ("b.zarr/0", Some(1)),
             ("b.raw", None),
             ("none/a.raw", None),
+            ("", None),
         ];
         for (output, expected) in cases {
             let found = overwritten(&files, &path(output));

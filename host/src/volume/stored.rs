@@ -15,7 +15,7 @@ use crate::atomic::AtomicFile;
 pub(super) const GZIP: &[u8] = &[0x1f, 0x8b];
 
 /// Most bytes that one byte of deflate data can stand for: two bits at least give 258 bytes at most (RFC 1951).
-const DEFLATE_EXPANSION: u64 = 4 * 258;
+pub(super) const DEFLATE_EXPANSION: u64 = 4 * 258;
 
 /// How samples are turned into the bytes of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::format::Format;
 use super::input::Input;
 use super::slices::{self, Pattern};
 use super::watched::Watched;
-use super::{Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
+use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteOptions, format, raw};
 
 /// A file of a data set that is being read.
 ///
@@ -146,6 +146,9 @@ pub fn create(
     let format: &'static dyn Format = format::of_path(path).unwrap_or(&raw::Raw);
     if format::has_extension(path, &["wlift", "wsurf"]) {
         return Err(WriteError::Compressed { path: path.to_owned() });
+    }
+    if let Some(what) = format::mistaken(path).filter(|_| format.format() == FileFormat::Raw) {
+        return Err(WriteError::Foreign { path: path.to_owned(), what });
     }
     if options.gzip && !format.compresses(path) {
         return Err(WriteError::NoGzip { path: path.to_owned() });

@@ -99,6 +99,7 @@ fn other_names_hide_no_format() {
         ("a.nrrd", FileFormat::Nrrd),
         ("a.npy", FileFormat::Npy),
         ("a.mha", FileFormat::MetaImage),
+        ("a.mrc", FileFormat::Mrc),
         ("a.nii", FileFormat::Nifti),
         ("a.nii.gz", FileFormat::Nifti),
         ("a.tif", FileFormat::Tiff),
@@ -116,7 +117,7 @@ fn other_names_hide_no_format() {
         let (_folder, path) = file(name, b"ab");
         read(&path, None).unwrap_err().to_string()
     };
-    assert!(told("a.mgz").contains("mri_convert") && told("a.zip").contains("unpack"));
+    assert!(told("a.fits").contains("save it as") && told("a.zip").contains("unpack"));
     assert!(told("a.bin").contains("neither the name nor the first bytes"));
 }
 

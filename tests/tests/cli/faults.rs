@@ -67,7 +67,7 @@ fn wrong_words_are_told() {
             ("compress in.raw OUT --type u16 --extent 9x7x5x1", 2, &["4 axes", "--extent"]),
             ("compress in.raw OUT --type u16 --extent 9.5", 2, &["9.5", "--extent"]),
             ("compress in.raw OUT --type u16 --extent 99999999999x99999999999", 2, &["--extent", "64 bits"]),
-            ("compress in.raw OUT --type uint16 --extent 9x7x5", 2, &["uint16", "--type", "u16, i16"]),
+            ("compress in.raw OUT --type ushort --extent 9x7x5", 2, &["ushort", "--type", "u16, i16"]),
             (
                 "compress in.raw OUT --type u16 --extent 9x7x5 --byte-order middle",
                 2,

@@ -12,9 +12,6 @@ pub enum NiftiError {
         /// What they say, little-endian.
         found: i32,
     },
-    /// A header of the older format.
-    #[error("this is an ANALYZE 7.5 header, which does not say left from right: convert it to NIfTI first")]
-    Analyze,
     /// A name that belongs to no version.
     #[error("the header's magic is {found}, which is that of no NIfTI version")]
     Magic {

@@ -71,6 +71,8 @@ impl NiftiHeader {
     }
 
     fn parse(bytes: &[u8], version: Version, order: ByteOrder) -> Result<Self, NiftiError> {
+        let as_nifti = of_analyze(bytes, version);
+        let bytes = as_nifti.as_deref().unwrap_or(bytes);
         let magic = match version {
             Version::One => &bytes[344..348],
             Version::Two => &bytes[4..8],
@@ -78,7 +80,6 @@ impl NiftiHeader {
         let is_pair = match (magic, version) {
             (b"n+1\0", Version::One) | (b"n+2\0", Version::Two) => false,
             (b"ni1\0", Version::One) | (b"ni2\0", Version::Two) => true,
-            ([0, 0, 0, 0], Version::One) => return Err(NiftiError::Analyze),
             _ => return Err(NiftiError::Magic { found: excerpt(&String::from_utf8_lossy(magic)) }),
         };
         let reader = Numbers { bytes, order };
@@ -173,6 +174,21 @@ impl NiftiHeader {
         let size = i32::try_from(data.len() + 8).ok()?;
         Some([&in_order(size)[..], &in_order(code), &data].concat())
     }
+}
+
+/// An ANALYZE 7.5 header, which has no magic, as one of a NIfTI pair: with zeros where it has something else than NIfTI.
+/// So it does not say left from right, nor where the samples lie; a scale is where SPM put it.
+///
+/// Source: *ANALYZE 7.5 File Format* (Mayo Clinic), and `nifti1.h`, which says what it took over.
+fn of_analyze(bytes: &[u8], version: Version) -> Option<Vec<u8>> {
+    const OTHERS: [std::ops::Range<usize>; 6] = [39..40, 56..70, 74..76, 120..124, 132..140, 252..344];
+    if version == Version::Two || bytes[344..348] != [0; 4] {
+        return None;
+    }
+    let mut bytes = bytes.to_vec();
+    OTHERS.into_iter().for_each(|other| bytes[other].fill(0));
+    bytes[344..348].copy_from_slice(b"ni1\0");
+    Some(bytes)
 }
 
 struct Numbers<'a> {

@@ -264,8 +264,10 @@ fn losses(metadata: &Metadata) -> Vec<String> {
     rest.lines.retain(|line| match line {
         HeaderLine::Field { name, value } => {
             let is = |known| crate::volume::metadata::is_same_name(known, name);
-            let is_held =
-                is("space units") || is("units") || is("spacings") || is("content") && value.len() < 80;
+            let is_held = is("space units") && is_known(value)
+                || is("units")
+                || is("spacings")
+                || is("content") && value.len() < 80;
             !(is_held
                 || is_oriented && line.is_geometry()
                 || is("kinds") && (is_colour(value) || is_plain(value)))
@@ -279,6 +281,12 @@ fn losses(metadata: &Metadata) -> Vec<String> {
         HeaderLine::Comment(_) => true,
     });
     crate::volume::losses(&rest)
+}
+
+/// Whether units of space are those that there are codes for.
+fn is_known(units: &str) -> bool {
+    let mut units = units.split('"').skip(1).step_by(2).map(|unit| unit.replace(['µ', 'μ'], "u"));
+    units.all(|unit| SPACE_UNITS.iter().any(|(_, known)| *known == unit))
 }
 
 /// Whether kinds say no more than which axes there are.

@@ -1,6 +1,5 @@
 //! Arrays as sources: samples come a slab of chunks at a time.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,6 +12,7 @@ use super::node::{self, Place, multiscales};
 use super::store::Within;
 use super::{ZarrError, lines, ome};
 use crate::volume::element::reorder;
+use crate::volume::guarded::guarded;
 use crate::volume::half::Widened;
 use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, Source};
 
@@ -207,12 +207,6 @@ impl ZarrSource {
         let cause = Box::new(ZarrError::Zarrs(cause));
         ReadError::Format { path: self.path.clone(), format: FileFormat::Zarr, cause }
     }
-}
-
-/// Takes a panic of zarrs for an error: a damaged index of a shard leads to sums that overflow there.
-fn guarded<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(run))
-        .unwrap_or_else(|_| Err("its metadata or chunks are damaged".to_owned()))
 }
 
 impl Source for ZarrSource {
