@@ -147,12 +147,24 @@ impl<'a> Aim<'a> {
 
     /// For each vertex of the target that a component is named by, by how many times that is too far from the surface, whose
     /// vertices belong to `ones`, or the surface from it: 1 where the root mean squares are at most `rms` and all else `most`.
-    pub(super) fn excesses(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<f64> {
+    /// Only vertices of the surface that are `counted` matter, and those of the target that one of these is near.
+    pub(super) fn excesses(
+        &self,
+        ones: &[u32],
+        measured: &Measured,
+        [rms, most]: [f64; 2],
+        counted: impl Fn(usize) -> bool,
+    ) -> Vec<f64> {
         let mut excesses = vec![[1.0_f64; 2]; self.components.len()];
-        for (components, distances) in [(ones, &measured.of_surface), (&self.components, &measured.of_target)]
-        {
+        let vertices: Vec<u32> = (0..ones.len() as u32).collect();
+        let ways = [
+            (ones, &vertices, &measured.of_surface),
+            (&self.components, &measured.nearest, &measured.of_target),
+        ];
+        for (components, vertices, distances) in ways {
             let mut tallies = vec![(0.0, 0.0); excesses.len()];
-            for (&component, &distance) in components.iter().zip(distances) {
+            let all = components.iter().zip(vertices).zip(distances);
+            for ((&component, _), &distance) in all.filter(|((_, vertex), _)| counted(**vertex as usize)) {
                 let (squares, count) = &mut tallies[component as usize];
                 (*squares, *count) = (*squares + distance * distance, *count + 1.0);
                 let [_, farthest] = &mut excesses[component as usize];
