@@ -19,6 +19,9 @@ const FAR: f64 = 0.5;
 /// … and so many rings of faces around it.
 const RINGS: usize = 8;
 
+/// A component of which more than this share would be placed is placed as a whole.
+const LARGEST: f64 = 0.25;
+
 /// The parts of a surface that do not fit.
 pub(super) struct Misfits {
     /// The part that each vertex belongs to; [`NONE`] if it fits.
@@ -67,7 +70,14 @@ impl Misfits {
         let rests = [(&ones, &vertices), (&aim.components, &measured.nearest)]
             .map(|(ones, vertices)| ones.iter().zip(vertices).map(rest).collect::<Vec<u32>>());
         let rests = Aim::excesses(rests.each_ref().map(Vec::as_slice), count, measured, limits);
-        let in_part = |one: u32| rests[one as usize] <= 1.0;
+        let mut sizes = vec![[0_usize; 2]; count];
+        for (&one, &bad) in ones.iter().zip(&bad) {
+            sizes[one as usize][usize::from(bad)] += 1;
+        }
+        let in_part = |one: u32| {
+            let [good, bad] = sizes[one as usize];
+            rests[one as usize] <= 1.0 && bad as f64 <= LARGEST * (good + bad) as f64
+        };
         let is_misfit = |(&one, bad): (&u32, bool)| excesses[one as usize] > 1.0 && (bad || !in_part(one));
         let misfits: Vec<bool> = ones.iter().zip(bad).map(is_misfit).collect();
         let (parts, firsts) = connected(surface, &misfits);
@@ -127,13 +137,11 @@ impl Misfits {
 }
 
 impl Badness {
-    /// Whether this is better than what was before: nearer, by so much that it is worth it, and where faces were folded with
-    /// no more of them; or with fewer folds, and no farther off. Folds where there was none are left to be undone in the end.
+    /// Whether this is better than what was before: nearer, by so much that it is worth it, or with fewer folds and no farther
+    /// off. Folds that are left are undone in the end.
     fn is_better(self, before: Self, worth: f64) -> bool {
         let is_nearer = self.excess < worth * before.excess;
-        let is_flatter = self.folds < before.folds;
-        let keeps = self.excess <= before.excess && self.folds <= before.folds;
-        if before.folds > 0 { keeps && (is_nearer || is_flatter) } else { is_nearer }
+        is_nearer || (self.folds < before.folds && self.excess <= before.excess)
     }
 }
 
@@ -193,12 +201,11 @@ mod tests {
     }
 
     #[test]
-    fn folds_are_not_traded_for_distance() {
+    fn folds_are_not_mended_at_the_price_of_distance() {
         let bad = |excess, folds| Badness { excess, folds };
         assert!(bad(1.5, 0).is_better(bad(2.0, 0), WORTH_IN_PART));
         assert!(!bad(1.5, 0).is_better(bad(2.0, 0), WORTH));
         assert!(bad(2.0, 3).is_better(bad(2.0, 4), WORTH));
         assert!(!bad(2.1, 3).is_better(bad(2.0, 4), WORTH));
-        assert!(!bad(1.0, 5).is_better(bad(2.0, 4), WORTH));
     }
 }
