@@ -32,7 +32,7 @@ impl fmt::Display for Repairs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = [
             (self.welded_vertices, "vertices at the place of another became one with it"),
-            (self.dropped_triangles, "triangles without area or there twice left out"),
+            (self.dropped_triangles, "triangles with a vertex twice or there twice left out"),
             (self.dropped_vertices, "vertices of no triangle left out"),
             (self.turned_triangles, "triangles turned to agree with their neighbours"),
             (self.one_sided_components, "components with one side only cut open"),

@@ -5,7 +5,7 @@
 //! finest mesh has for it, and so on.
 
 use super::fit::{Aim, Measured};
-use crate::mesh::TriangleMesh;
+use crate::mesh::{Surface, TriangleMesh};
 
 /// A round leaves one in so many.
 const PART: u32 = 4;
@@ -40,7 +40,7 @@ impl Care {
             triangle.iter().for_each(|&corner| marked[corner as usize] = true);
         }
         for _ in 0..if marked.contains(&true) { self.rings } else { 0 } {
-            grow(aim.mesh, &mut marked);
+            grow(aim.mesh.polygons(), &mut marked);
         }
         let mut taken = false;
         for (most, _) in self.most.iter_mut().zip(marked).filter(|(_, marked)| *marked) {
@@ -63,12 +63,12 @@ pub(super) const fn of_face(splits: u32) -> u32 {
     4_u32.saturating_pow(splits)
 }
 
-/// Marks the vertices of all triangles that have a marked one.
-fn grow(mesh: &TriangleMesh, marked: &mut [bool]) {
+/// Marks the vertices of all faces that have a marked one.
+pub(super) fn grow<'a>(faces: impl Iterator<Item = &'a [u32]>, marked: &mut [bool]) {
     let before = marked.to_vec();
-    for triangle in &mesh.triangles {
-        if triangle.iter().any(|&corner| before[corner as usize]) {
-            triangle.iter().for_each(|&corner| marked[corner as usize] = true);
+    for face in faces {
+        if face.iter().any(|&corner| before[corner as usize]) {
+            face.iter().for_each(|&corner| marked[corner as usize] = true);
         }
     }
 }

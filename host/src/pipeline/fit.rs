@@ -13,6 +13,9 @@ pub(super) const RMS: f64 = 0.05;
 /// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
 pub const MISSED: f64 = 1.0;
 
+/// No part of a surface.
+pub(super) const NONE: u32 = u32::MAX;
+
 /// How far a surface and its target are from each other, in cells' edges.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fit {
@@ -60,7 +63,7 @@ pub(super) struct Aim<'a> {
     pub(super) tree: Bvh,
     pub(super) cell: f64,
     /// The component of each vertex, by its first one.
-    components: Vec<u32>,
+    pub(super) components: Vec<u32>,
 }
 
 /// A fit, and how far each vertex is off, in cells' edges.
@@ -145,17 +148,22 @@ impl<'a> Aim<'a> {
         (0..surface.positions.len() as u32).map(of).collect()
     }
 
-    /// For each vertex of the target that a component is named by, by how many times that is too far from the surface, whose
-    /// vertices belong to `ones`, or the surface from it: 1 where the root mean squares are at most `rms` and all else `most`.
-    pub(super) fn excesses(&self, ones: &[u32], measured: &Measured, [rms, most]: [f64; 2]) -> Vec<f64> {
-        let mut excesses = vec![[1.0_f64; 2]; self.components.len()];
-        for (components, distances) in [(ones, &measured.of_surface), (&self.components, &measured.of_target)]
-        {
-            let mut tallies = vec![(0.0, 0.0); excesses.len()];
-            for (&component, &distance) in components.iter().zip(distances) {
-                let (squares, count) = &mut tallies[component as usize];
+    /// By how many times each of some parts is too far from the surface or the surface from it: 1 where the root mean squares
+    /// are at most `rms` and all else `most`. `parts` are those of the vertices of the surface and of the target, [`NONE`] for
+    /// what does not count.
+    pub(super) fn excesses(
+        parts: [&[u32]; 2],
+        count: usize,
+        measured: &Measured,
+        [rms, most]: [f64; 2],
+    ) -> Vec<f64> {
+        let mut excesses = vec![[1.0_f64; 2]; count];
+        for (parts, distances) in parts.into_iter().zip([&measured.of_surface, &measured.of_target]) {
+            let mut tallies = vec![(0.0, 0.0); count];
+            for (&part, &distance) in parts.iter().zip(distances).filter(|(part, _)| **part != NONE) {
+                let (squares, count) = &mut tallies[part as usize];
                 (*squares, *count) = (*squares + distance * distance, *count + 1.0);
-                let [_, farthest] = &mut excesses[component as usize];
+                let [_, farthest] = &mut excesses[part as usize];
                 *farthest = farthest.max(distance / most);
             }
             for ([mean, _], (squares, count)) in excesses.iter_mut().zip(tallies) {

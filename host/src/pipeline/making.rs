@@ -209,7 +209,7 @@ impl Making<'_> {
         WrapOptions { levels, tolerance: self.options.tolerance, target, lines, ..WrapOptions::default() }
     }
 
-    /// Measures a surface; where it does not fit, components are placed another way, and vertices are drawn to crests.
+    /// Measures a surface; where it does not fit, parts of it are placed another way, and vertices are drawn to crests.
     fn settled(
         &self,
         aim: &Aim,
@@ -222,7 +222,8 @@ impl Making<'_> {
         let mut measured = aim.measure(&surface);
         let history = base.history.as_ref();
         let misfits = history.and_then(|history| {
-            Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim))?))
+            let folds = &wrapped.report.folds;
+            Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim), folds)?))
         });
         drop(surface);
         let may_draw = self.field.is_some() && self.options.rounds > 0;

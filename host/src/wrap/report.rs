@@ -51,6 +51,8 @@ pub struct WrapReport {
     pub levels: Vec<LevelReport>,
     /// Inverted faces after the correction and the repair that follows it.
     pub inverted: Inverted,
+    /// Which faces of the finest mesh have a corner that is turned over, in order.
+    pub folds: Vec<u32>,
     /// Time that the correction took.
     pub correction_seconds: f64,
     /// Connected components of the surface.
@@ -65,6 +67,7 @@ impl WrapReport {
         let (inverted, counts) = quality::inverted(level, space, goal, 0.0);
         self.inverted = counts;
         (self.components, self.failures) = failures(level, space, goal, &inverted);
+        self.folds = inverted;
     }
 }
 

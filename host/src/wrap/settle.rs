@@ -1,4 +1,4 @@
-//! A surface whose vertices are known to be where they belong: what is left is to even them out.
+//! A surface, or a part of one, whose vertices are known to be where they belong: what is left is to even them out.
 //!
 //! Places that are led back through a simplification cover the whole surface, without folds, whatever its shape, but kinks
 //! and strains of each collapse are left in them. So vertices are relaxed and moved back to the surface a few times, as in
@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::crest::{Draw, draw};
 use super::goal::Goal;
 use super::level::{Level, Space};
+use super::quality;
 use super::relax::relaxed;
 use super::repair::{repair, untangle};
 use super::rings::Kind;
@@ -29,7 +30,7 @@ const SLANTED: f64 = 1.5;
 /// How near to the surface a vertex must come, in cells, to move.
 const THERE: f64 = 0.02;
 
-/// A wrapped surface some of whose components are put elsewhere.
+/// A wrapped surface parts of which are put elsewhere.
 #[derive(Debug)]
 pub struct Settling<'a> {
     space: Space<'a>,
@@ -59,8 +60,13 @@ impl<'a> Settling<'a> {
         Ok(Self { space, goal: Goal::new(options.target), level })
     }
 
+    /// The faces of what was settled that have a corner that is turned over.
+    pub fn folds(&self) -> Vec<u32> {
+        quality::inverted(&self.level, &self.space, &self.goal, 0.0).0
+    }
+
     /// Puts those vertices that are `placed` where `places` say, which are points of the surface in the numbering of its
-    /// finest mesh, and evens them out; the others are at `positions`. Vertices with a face in common are placed together.
+    /// finest mesh, and evens them out; the others are at `positions`.
     ///
     /// Cost: about 5 µs a placed vertex on one core, and two passes over all vertices.
     pub fn settled(&mut self, positions: &[Point], places: &[Point], placed: &[bool]) -> &[Point] {

@@ -29,7 +29,7 @@ const MOST_MISSED: usize = 20;
 #[command(after_help = "\
 Examples:
   wavelift surface build engine.nrrd engine.wsurf --iso 80
-  wavelift surface build horse.ply horse.wsurf --share 0.005 --levels 4 --bytes 25000")]
+  wavelift surface build horse.ply horse.wsurf --share 0.008 --levels 4 --bytes 25000")]
 pub(crate) struct Args {
     /// Volume, or mesh by its name: .ply, .obj, .stl, .off, .gltf or .glb
     input: PathBuf,
