@@ -112,7 +112,7 @@ typedef struct wavelift_lent {
  * call, and can lie anywhere; without an initializer a static one takes no room in flash.
  */
 #define WAVELIFT_CODEC_WORDS 428
-#define WAVELIFT_TRAINING_WORDS 1341
+#define WAVELIFT_TRAINING_WORDS 1342
 #define WAVELIFT_DENSE_WORDS 9432
 #define WAVELIFT_LATTICE_WORDS 2866
 
@@ -121,7 +121,7 @@ typedef struct wavelift_codec {
     uint64_t opaque[WAVELIFT_CODEC_WORDS];
 } wavelift_codec;
 
-/* For encoding with trained predictors: 10,728 bytes. */
+/* For encoding with trained predictors: 10,736 bytes. */
 typedef struct wavelift_training {
     uint64_t opaque[WAVELIFT_TRAINING_WORDS];
 } wavelift_training;

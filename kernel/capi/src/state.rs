@@ -85,7 +85,7 @@ state! {
 }
 state! {
     /// Memory of [`Training`]: `wavelift_training`.
-    WaveliftTraining(1341) of Training
+    WaveliftTraining(1342) of Training
 }
 state! {
     /// Memory of [`Dense`]: `wavelift_dense`.
