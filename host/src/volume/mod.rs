@@ -30,6 +30,8 @@ mod nrrd;
 mod order;
 mod overwritten;
 mod packbits;
+#[cfg(any(feature = "hdf5", feature = "zarr"))]
+mod pieces;
 mod planes;
 mod png;
 mod pnm;

@@ -14,6 +14,7 @@ use super::variable::{self, Variable};
 use super::{Hdf5Error, places};
 use crate::volume::guarded::guarded;
 use crate::volume::input::Input;
+use crate::volume::pieces::{PieceSource, Pieces};
 use crate::volume::stored::DEFLATE_EXPANSION;
 use crate::volume::{ElementType, FileFormat, Header, ReadError, Sample, Source};
 
@@ -33,7 +34,7 @@ const CACHE_BYTES: usize = 1 << 26;
 const LARGEST_BYTES: u64 = 1 << 30;
 
 /// A variable of a file.
-pub(super) struct Hdf5Source {
+pub(super) struct Hdf5Variable {
     file: NcFile,
     /// Of the variable.
     name: String,
@@ -42,10 +43,6 @@ pub(super) struct Hdf5Source {
     chunk: Vec<u64>,
     header: Header,
     path: PathBuf,
-    /// Values in memory, and the place of the first among all.
-    piece: Vec<u8>,
-    start: u64,
-    at: u64,
     /// Bytes that a piece may have.
     most: u64,
 }
@@ -59,16 +56,16 @@ pub(super) fn open(input: &Input, name: Option<&str>) -> Result<Box<dyn Source>,
         return Err(fault(Hdf5Error::Pipe));
     }
     let source = guarded(|| Ok(read(path, name))).map_err(Hdf5Error::Reader).and_then(|source| source);
-    Ok(Box::new(source.map_err(fault)?))
+    Ok(Box::new(PieceSource::new(source.map_err(fault)?)))
 }
 
 /// The only variable of a file, of which so many bytes are read at a time at most.
 #[cfg(test)]
-pub(super) fn open_within(path: &Path, most: u64) -> Result<Hdf5Source, Hdf5Error> {
-    Ok(Hdf5Source { most, ..read(path, None)? })
+pub(super) fn open_within(path: &Path, most: u64) -> Result<PieceSource<Hdf5Variable>, Hdf5Error> {
+    Ok(PieceSource::new(Hdf5Variable { most, ..read(path, None)? }))
 }
 
-fn read(path: &Path, name: Option<&str>) -> Result<Hdf5Source, Hdf5Error> {
+fn read(path: &Path, name: Option<&str>) -> Result<Hdf5Variable, Hdf5Error> {
     let storage: DynStorage = Arc::new(FileStorage::open(path).map_err(reader)?);
     // A chunk cannot be more than Deflate makes of the file.
     let most_chunk = storage.len().saturating_mul(DEFLATE_EXPANSION).clamp(CACHE_BYTES as u64, LARGEST_BYTES);
@@ -92,8 +89,8 @@ fn read(path: &Path, name: Option<&str>) -> Result<Hdf5Source, Hdf5Error> {
     let is_classic = matches!(file.format(), NcFormat::Classic | NcFormat::Offset64 | NcFormat::Cdf5);
     let chunk = if is_classic { None } else { chunk(storage, &name)? };
     let chunk = chunk.filter(|chunk| chunk.len() == shape.len()).unwrap_or_else(|| vec![1; shape.len()]);
-    let (path, piece) = (path.to_owned(), Vec::new());
-    Ok(Hdf5Source { file, name, shape, chunk, header, path, piece, start: 0, at: 0, most: MOST_PIECE_BYTES })
+    let path = path.to_owned();
+    Ok(Hdf5Variable { file, name, shape, chunk, header, path, most: MOST_PIECE_BYTES })
 }
 
 /// Samples of a chunk, where a variable has chunks.
@@ -114,7 +111,7 @@ fn reader(cause: impl Into<netcdf_reader::Error>) -> Hdf5Error {
     }
 }
 
-impl Hdf5Source {
+impl Hdf5Variable {
     /// The box that the value at a byte lies in, as a range along each axis: one place along the slowest axes, some along
     /// the next, all along the others. And the byte that it begins at.
     fn slab(&self, position: u64) -> (Vec<[u64; 2]>, u64) {
@@ -142,21 +139,6 @@ impl Hdf5Source {
         (ranges, start)
     }
 
-    /// Reads the slab that the value at a byte lies in.
-    fn load(&mut self, position: u64) -> Result<(), ReadError> {
-        let (ranges, start) = self.slab(position);
-        let ranges = ranges.into_iter().map(|[start, end]| NcSliceInfoElem::Slice { start, end, step: 1 });
-        let selection = NcSliceInfo { selections: ranges.collect() };
-        let found = guarded(|| Ok(self.values(&selection))).map_err(Hdf5Error::Reader);
-        let found = found.and_then(|found| found.map_err(reader)).map_err(|cause| ReadError::Format {
-            path: self.path.clone(),
-            format: FileFormat::Hdf5,
-            cause: Box::new(cause),
-        })?;
-        (self.piece, self.start) = (found, start);
-        Ok(())
-    }
-
     /// Values of a box as little-endian bytes.
     fn values(&self, selection: &NcSliceInfo) -> netcdf_reader::Result<Vec<u8>> {
         match self.header.element {
@@ -180,46 +162,31 @@ impl Hdf5Source {
     }
 }
 
-impl Source for Hdf5Source {
+impl Pieces for Hdf5Variable {
     fn header(&self) -> &Header {
         &self.header
     }
 
-    fn read(&mut self, mut out: &mut [u8]) -> Result<(), ReadError> {
-        let left = self.header.bytes().unwrap_or(0).saturating_sub(self.at);
-        if out.len() as u64 > left {
-            return Err(ReadError::BeyondEnd { path: self.path.clone() });
-        }
-        while !out.is_empty() {
-            if self.at < self.start || self.at - self.start >= self.piece.len() as u64 {
-                self.load(self.at)?;
-            }
-            let ready = &self.piece[(self.at - self.start) as usize..];
-            let count = ready.len().min(out.len());
-            let (now, later) = out.split_at_mut(count);
-            now.copy_from_slice(&ready[..count]);
-            self.at += count as u64;
-            out = later;
-        }
-        Ok(())
+    fn path(&self) -> &Path {
+        &self.path
     }
 
-    fn seek(&mut self, position: u64) -> Result<(), ReadError> {
-        self.at = position;
-        Ok(())
-    }
-
-    fn is_random(&self) -> bool {
-        true
+    fn piece(&mut self, position: u64) -> Result<(Vec<u8>, u64), ReadError> {
+        let (ranges, start) = self.slab(position);
+        let ranges = ranges.into_iter().map(|[start, end]| NcSliceInfoElem::Slice { start, end, step: 1 });
+        let selection = NcSliceInfo { selections: ranges.collect() };
+        let found = guarded(|| Ok(self.values(&selection))).map_err(Hdf5Error::Reader);
+        let found = found.and_then(|found| found.map_err(reader)).map_err(|cause| ReadError::Format {
+            path: self.path.clone(),
+            format: FileFormat::Hdf5,
+            cause: Box::new(cause),
+        })?;
+        Ok((found, start))
     }
 
     fn hold_at_most(&mut self, bytes: u64) -> u64 {
         // A piece is there twice while it is read, beside the chunks that are kept.
         self.most = (bytes.saturating_sub(CACHE_BYTES as u64) / 2).clamp(LEAST_PIECE_BYTES, MOST_PIECE_BYTES);
         2 * self.most + CACHE_BYTES as u64
-    }
-
-    fn files(&self) -> Vec<PathBuf> {
-        vec![self.path.clone()]
     }
 }

@@ -14,6 +14,7 @@ use super::{ZarrError, lines, ome};
 use crate::volume::element::reorder;
 use crate::volume::guarded::guarded;
 use crate::volume::half::Widened;
+use crate::volume::pieces::{PieceSource, Pieces};
 use crate::volume::{ByteOrder, FileFormat, Header, Metadata, Origin, ReadError, Source};
 
 /// Bytes of samples that are decoded at a time, if chunks are no larger.
@@ -26,17 +27,13 @@ const MOST_PIECE_BYTES: u64 = 1 << 27;
 const MOST_THREADS: u64 = 256;
 
 /// An array of a Zarr folder.
-pub(super) struct ZarrSource {
+pub(super) struct ZarrArray {
     array: Array<Within>,
     layout: Layout,
     header: Header,
     path: PathBuf,
     /// The array's own, in `path` where that is an image.
     folder: PathBuf,
-    /// Values in memory, and the place of the first among all.
-    piece: Vec<u8>,
-    start: u64,
-    at: u64,
     /// Bytes that may be held at a time: those of a piece, and of chunks while they are decoded.
     most: u64,
 }
@@ -79,17 +76,14 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Source>, ReadError> {
         return Err(fault(ZarrError::Metadata { what: "shape" }));
     }
     let is_half = layout.is_half;
-    let source = Box::new(ZarrSource {
+    let source = Box::new(PieceSource::new(ZarrArray {
         array,
         layout,
         header,
         path: path.to_owned(),
         folder,
-        piece: Vec::new(),
-        start: 0,
-        at: 0,
         most: 3 * MOST_PIECE_BYTES,
-    });
+    }));
     Ok(if is_half { Box::new(Widened::new(source)) } else { source })
 }
 
@@ -122,7 +116,7 @@ fn header(
     Ok(header)
 }
 
-impl ZarrSource {
+impl ZarrArray {
     /// Bytes of a row of samples, of a plane, of a time step.
     fn sizes(&self) -> [u64; 3] {
         let [width, height, depth] = self.header.extent;
@@ -153,9 +147,8 @@ impl ZarrSource {
         Slab { step: at, z: [first, (first + planes).min(end).min(depth)], y: [0, height] }
     }
 
-    /// Decodes the slab that the value at a byte lies in.
-    fn load(&mut self, position: u64) -> Result<(), ReadError> {
-        let Slab { step, z, y } = self.slab(position);
+    /// The values of a slab, and the byte that it begins at.
+    fn decode(&self, Slab { step, z, y }: Slab) -> Result<(Vec<u8>, u64), ReadError> {
         let [row, plane, step_bytes] = self.sizes();
         let components = u64::from(self.header.components);
         let range = |role| match role {
@@ -183,19 +176,13 @@ impl ZarrSource {
             [z[1] - z[0], y[1] - y[0], self.header.extent[0], components].map(|count| count as usize);
         let lengths: Vec<usize> = ranges.iter().map(|range| (range.end - range.start) as usize).collect();
         let strides = [Role::Z, Role::Y, Role::X, Role::Component].map(|role| self.stride(role, &lengths));
-        self.start = step * step_bytes + z[0] * plane + y[0] * row;
+        let start = step * step_bytes + z[0] * plane + y[0] * row;
         if self.layout.roles.is_sorted() {
-            self.piece = found;
-        } else {
-            self.piece.resize(found.len(), 0);
-            copy(
-                (&found, strides),
-                (&mut self.piece, canonical(counts)),
-                counts,
-                self.header.element.bytes(),
-            );
+            return Ok((found, start));
         }
-        Ok(())
+        let mut piece = vec![0; found.len()];
+        copy((&found, strides), (&mut piece, canonical(counts)), counts, self.header.element.bytes());
+        Ok((piece, start))
     }
 
     /// Samples from one to the next along an axis of a box with these lengths along the array's axes.
@@ -209,37 +196,17 @@ impl ZarrSource {
     }
 }
 
-impl Source for ZarrSource {
+impl Pieces for ZarrArray {
     fn header(&self) -> &Header {
         &self.header
     }
 
-    fn read(&mut self, mut out: &mut [u8]) -> Result<(), ReadError> {
-        let left = self.header.bytes().unwrap_or(0).saturating_sub(self.at);
-        if out.len() as u64 > left {
-            return Err(ReadError::BeyondEnd { path: self.path.clone() });
-        }
-        while !out.is_empty() {
-            if self.at < self.start || self.at - self.start >= self.piece.len() as u64 {
-                self.load(self.at)?;
-            }
-            let ready = &self.piece[(self.at - self.start) as usize..];
-            let count = ready.len().min(out.len());
-            let (now, later) = out.split_at_mut(count);
-            now.copy_from_slice(&ready[..count]);
-            self.at += count as u64;
-            out = later;
-        }
-        Ok(())
+    fn path(&self) -> &Path {
+        &self.path
     }
 
-    fn seek(&mut self, position: u64) -> Result<(), ReadError> {
-        self.at = position;
-        Ok(())
-    }
-
-    fn is_random(&self) -> bool {
-        true
+    fn piece(&mut self, position: u64) -> Result<(Vec<u8>, u64), ReadError> {
+        self.decode(self.slab(position))
     }
 
     fn hold_at_most(&mut self, bytes: u64) -> u64 {

@@ -62,9 +62,9 @@ impl Wide {
     ) -> Option<Self> {
         let mut wide = Self::new(extent, span)?;
         let [_, _, depth] = extent.sides();
-        for (number, lessons) in [LESSONS_OF_FIRST, LESSONS].into_iter().enumerate() {
+        let of_first = if depth == 1 { LESSONS } else { LESSONS_OF_FIRST };
+        for (number, lessons) in [of_first, LESSONS].into_iter().enumerate() {
             let Some(taps) = wide.taps(number) else { continue };
-            let lessons = if depth == 1 { LESSONS } else { lessons };
             let mut learnt = training.train(&taps, samples, scratch, lessons);
             learnt.0.iter_mut().for_each(|weight| *weight = (*weight).clamp(-LARGEST, LARGEST));
             if let Some(slot) = wide.weights.get_mut(number)
