@@ -74,7 +74,7 @@ impl Choosing<'_> {
             let Some(taps) = Taps::new(self.plan, self.subband, planes) else { return Weights::ZERO };
             count = count.saturating_add(u64::try_from(taps.weights()).unwrap_or(0));
             let lessons = if taps.is_low_pass() { LESSONS } else { LESSONS_OF_DETAILS };
-            training.train(&taps, self.coefficients, self.scratch, lessons)
+            training.train(&taps, self.coefficients, lessons)
         });
         (Predictor::Trained(first, rest), count)
     }

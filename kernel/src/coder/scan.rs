@@ -23,8 +23,7 @@ pub(crate) const fn scratch_len(plan: &Plan) -> usize {
     if !Feature::Trained.is_built() {
         return coding;
     }
-    let (coding, training) = (coding.saturating_add(RowMemory::len(x)), Training::scratch_len(x));
-    if coding > training { coding } else { training }
+    coding.saturating_add(RowMemory::len(x))
 }
 
 /// The coefficients of a plan in Mallat order, and scratch of [`Plan::scratch_len`].

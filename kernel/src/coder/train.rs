@@ -4,16 +4,20 @@
 mod products;
 
 use self::products::Columns;
-use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights, pad};
+use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights};
 use super::low_half;
 use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
 use crate::extent::to_usize;
+use crate::memory::copy;
 
 /// Times that the weights are trained: coefficients that the last found hard to predict count less.
 const ROUNDS: usize = 2;
 
 /// Neighbouring coefficients whose equations are set up together.
-const LANES: usize = 32;
+const LANES: usize = BLOCK;
+
+/// As [`LANES`].
+pub(super) const BLOCK: usize = 32;
 
 /// Differences are brought down so that the usual one has this many bits, and limited to [`LARGEST`].
 const USUAL_BITS: u32 = 8;
@@ -28,7 +32,7 @@ const LARGEST: i32 = (1 << LARGEST_BITS) - 1;
 const NORMAL_BITS: u32 = 6;
 
 /// Fraction bits of sizes that residuals are expected to have.
-const SIZE_BITS: u32 = 4;
+pub(super) const SIZE_BITS: u32 = 4;
 
 /// What is added to those sizes, as fractions of the usual difference: 2^-1 at first, 2^-3 where residuals are known.
 const LEAST_BITS: [u32; ROUNDS] = [1, 3];
@@ -69,16 +73,80 @@ pub struct Training {
     rows: [[i16; LANES]; ROWS],
 }
 
-/// One of the times that weights are trained.
-struct Round<'a> {
-    /// Coefficients that are learnt from, about, and at most of one row.
-    lessons: usize,
+/// What weights are trained for: coefficients of some planes of a subband.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Subject<'a> {
+    pub(super) taps: &'a Taps,
+    pub(super) coefficients: &'a [i32],
     /// By how many bits differences are brought down.
     shift: u32,
+    /// The usual difference, in 1/2^[`SIZE_BITS`].
+    usual: i32,
+}
+
+impl<'a> Subject<'a> {
+    /// The usual difference is that in about so many coefficients.
+    pub(super) fn new(taps: &'a Taps, coefficients: &'a [i32], lessons: usize) -> Self {
+        let usual = usual_size(taps, coefficients, rows(taps, lessons));
+        let shift = u64::BITS.wrapping_sub(usual.leading_zeros()).saturating_sub(USUAL_BITS);
+        Self { taps, coefficients, shift, usual: i32::try_from(usual >> shift).unwrap_or(0) << SIZE_BITS }
+    }
+
+    /// By how many bits residuals are brought down.
+    pub(super) const fn shift(&self) -> u32 {
+        self.shift
+    }
+
     /// What is added to the sizes that residuals are expected to have, in 1/2^[`SIZE_BITS`].
-    least: i32,
-    /// The weights so far.
-    weights: Option<&'a [i16]>,
+    fn least(&self, bits: u32) -> i32 {
+        (self.usual >> bits).wrapping_add(1 << (SIZE_BITS - 1))
+    }
+
+    /// Weights as they are used, of those that differences were trained with.
+    pub(super) fn finished(&self, trained: &Weights) -> Weights {
+        let mut weights = *trained;
+        if self.taps.is_low_pass() {
+            recentre(self.taps, self.coefficients, &mut weights);
+        }
+        limit(&mut weights.0);
+        weights
+    }
+}
+
+/// A row, and those around it.
+struct Around<'a> {
+    known: KnownRows<'a>,
+    row: &'a [i32],
+    /// What stands before its first coefficient.
+    reference: i32,
+}
+
+impl<'a> Around<'a> {
+    fn new(subject: &Subject<'a>, place: [usize; 2]) -> Option<Self> {
+        let known = subject.taps.known(subject.coefficients, place);
+        let first = known.first().and_then(|row| row.coefficients.first().copied());
+        let reference = if subject.taps.is_low_pass() { first.unwrap_or(0) } else { 0 };
+        Some(Self { row: subject.taps.own_row(subject.coefficients, place)?, known, reference })
+    }
+}
+
+/// Columns of a block, and those on either side that count.
+type Window = [i32; LANES + 2 * REACH];
+
+/// The columns around the block at `start` of a row, which has its first and its last coefficient again beyond its ends.
+#[inline(always)]
+fn window(row: &[i32], start: usize) -> Window {
+    let from = start.checked_sub(REACH);
+    if let Some(window) = from.and_then(|from| row.get(from..)).and_then(|rest| rest.first_chunk()) {
+        return *window;
+    }
+    let (Some(&first), Some(&last)) = (row.first(), row.last()) else { return [0; _] };
+    let mut window = [last; _];
+    let before = REACH.saturating_sub(start);
+    let (beyond, within) = window.split_at_mut_checked(before).unwrap_or_default();
+    beyond.fill(first);
+    copy(row.get(start.saturating_sub(REACH)..).unwrap_or(&[]), within);
+    window
 }
 
 impl Training {
@@ -86,104 +154,117 @@ impl Training {
     #[cfg_attr(feature = "trained", expect(clippy::large_stack_arrays, reason = "evaluated by the compiler"))]
     pub const NEW: Self = Self { matrix: [0; ENTRIES], rows: [[0; LANES]; ROWS] };
 
-    /// `i32`s of scratch that training takes for rows of `width`.
-    pub(super) const fn scratch_len(width: usize) -> usize {
-        width.saturating_add(2 * REACH).saturating_mul(2)
-    }
-
     /// The weights that suit the coefficients of a subband, learnt from about so many of them in each round: of more from
     /// rows all over it, of a longer row from the first.
-    pub(super) fn train(
-        &mut self,
-        taps: &Taps,
-        coefficients: &[i32],
-        scratch: &mut [i32],
-        lessons: [usize; ROUNDS],
-    ) -> Weights {
-        let [width, ..] = taps.subband.sides;
-        let rows = |lessons: usize| rows(taps).take(lessons.div_ceil(width.max(1)));
+    pub(super) fn train(&mut self, taps: &Taps, coefficients: &[i32], lessons: [usize; ROUNDS]) -> Weights {
         let [.., most] = lessons;
-        let usual = usual_size(taps, coefficients, rows(most));
-        let shift = u64::BITS.wrapping_sub(usual.leading_zeros()).saturating_sub(USUAL_BITS);
-        let usual = i32::try_from(usual >> shift).unwrap_or(0) << SIZE_BITS;
+        let subject = Subject::new(taps, coefficients, most);
+        subject.finished(&self.trained(&subject, lessons))
+    }
+
+    /// The same, as they are trained, which is as weights of differences.
+    pub(super) fn trained(&mut self, subject: &Subject<'_>, lessons: [usize; ROUNDS]) -> Weights {
+        let [at_first, in_the_end] = lessons;
         let mut weights = Weights::ZERO;
-        for ((number, lessons), least_bits) in lessons.into_iter().enumerate().zip(LEAST_BITS) {
-            self.matrix.fill(0);
-            let used = weights.0.get_mut(..taps.weights()).unwrap_or(&mut []);
-            let round = Round {
-                lessons,
-                shift,
-                least: (usual >> least_bits).wrapping_add(1 << (SIZE_BITS - 1)),
-                weights: (number > 0).then_some(&*used),
-            };
-            for place in rows(lessons) {
-                self.add_row(taps, coefficients, place, &round, scratch);
-            }
-            self.solve(used);
-        }
-        if taps.is_low_pass() {
-            recentre(taps, coefficients, &mut weights);
-        }
-        limit(&mut weights.0);
+        self.learn(subject, at_first, None, &mut weights, |_, _| true);
+        let before = weights;
+        self.learn(subject, in_the_end, Some(&before), &mut weights, |_, _| true);
         weights
     }
 
-    /// Adds the coefficients of one row.
-    #[expect(
-        clippy::large_stack_frames,
-        reason = "the lint counts every copy of an iterator; the frame is far smaller"
-    )]
-    fn add_row(
+    /// Trains weights once more, so that coefficients which are hard to predict by those `before` count less: on about so
+    /// many in rows all over the subband, of those which `counts` by the place of the row and the first column of each
+    /// [`BLOCK`] of it.
+    pub(super) fn learn(
         &mut self,
-        taps: &Taps,
-        coefficients: &[i32],
+        subject: &Subject<'_>,
+        lessons: usize,
+        before: Option<&Weights>,
+        weights: &mut Weights,
+        counts: impl Fn([usize; 2], usize) -> bool,
+    ) {
+        let Subject { taps, .. } = subject;
+        let count = taps.weights();
+        let [at_first, later] = LEAST_BITS;
+        let least = subject.least(if before.is_some() { later } else { at_first });
+        let before = before.and_then(|weights| weights.0.get(..count));
+        self.matrix.fill(0);
+        for place in rows(taps, lessons) {
+            let Some(around) = Around::new(subject, place) else { return };
+            for start in (0..taps.row_len().min(lessons)).step_by(LANES) {
+                if counts(place, start) {
+                    self.fill(subject, &around, start);
+                    self.add_block(count, least, before);
+                }
+            }
+        }
+        self.solve(weights.0.get_mut(..count).unwrap_or(&mut []));
+    }
+
+    /// Adds to `sums`, those of the blocks from the first of a row, the sizes of the residuals that each set of weights
+    /// leaves.
+    pub(super) fn add_residuals<const SETS: usize>(
+        &mut self,
+        subject: &Subject<'_>,
         place: [usize; 2],
-        round: &Round<'_>,
-        scratch: &mut [i32],
-    ) -> Option<()> {
-        let width = taps.row_len();
-        let (own, rest) = scratch.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
-        let (padded, _) = rest.split_at_mut_checked(width.wrapping_add(2 * REACH))?;
-        let known = taps.known(coefficients, place);
-        let reference = known.first().and_then(|row| row.coefficients.first().copied());
-        let row = taps.own_row(coefficients, place)?;
-        pad(row, width, own, |coefficient| coefficient);
-        own.get_mut(..REACH)?.fill(if taps.is_low_pass() { reference.unwrap_or(0) } else { 0 });
-        let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
-        for start in (0..width.min(round.lessons)).step_by(LANES) {
+        (first, sums): (usize, &mut [[u32; SETS]]),
+        sets: &[Weights],
+    ) {
+        let count = subject.taps.weights();
+        let Some(around) = Around::new(subject, place) else { return };
+        for (start, sums) in (first..around.row.len()).step_by(BLOCK).zip(sums) {
+            self.fill(subject, &around, start);
+            for (set, sum) in sets.iter().zip(sums) {
+                let residuals = self.residuals(set.0.get(..count).unwrap_or(&[]));
+                *sum = residuals.iter().fold(*sum, |sum, size| sum.wrapping_add(size.unsigned_abs()));
+            }
+        }
+    }
+
+    /// Takes the differences of the block at `start` of a row.
+    fn fill(&mut self, subject: &Subject<'_>, around: &Around<'_>, start: usize) -> Option<()> {
+        let Subject { taps, shift, .. } = *subject;
+        let Around { known, row, reference } = around;
+        let lanes = row.len().wrapping_sub(start).min(LANES);
+        if lanes < LANES {
             self.rows.as_flattened_mut().fill(0);
-            let west = own.get(start.wrapping_add(REACH - 1)..)?;
-            let lanes = width.wrapping_sub(start).min(LANES);
-            let reference = if taps.is_low_pass() { west } else { &[] };
-            let fill = |slots: &mut [i16; LANES], values: &[i32], reference: &[i32]| {
-                differences(slots.get_mut(..lanes).unwrap_or(&mut []), values, reference, round.shift);
+        }
+        let fill = |slots: &mut [i16; LANES], values: &[i32], reference: &[i32]| match slots.get_mut(..lanes)
+        {
+            Some(slots) if lanes < LANES => differences(slots, values, reference, shift),
+            _ => block_of_differences(slots, values, reference, shift),
+        };
+        let mut own = window(row, start);
+        if start == 0 {
+            own.iter_mut().take(REACH).for_each(|slot| *slot = *reference);
+        }
+        let west = own.get(REACH - 1..)?;
+        let of_west = if taps.is_low_pass() { 1 } else { 0 };
+        let reference = if taps.is_low_pass() { west } else { &[] };
+        fill(self.rows.get_mut(taps.weights())?, row.get(start..)?, reference);
+        for (slots, step) in self.rows.iter_mut().zip(of_west..WEST) {
+            fill(slots, own.get((REACH - 1).wrapping_sub(step)..)?, reference);
+        }
+        let low = known.iter().find(|row| row.is_low()).map_or(&[][..], |row| row.coefficients);
+        for row in known {
+            let window = window(row.coefficients, start);
+            let window = window.get(REACH.wrapping_sub(row.reach())..)?;
+            let centre = centre(known, row.deep()).and_then(|centre| centre.coefficients.get(start..));
+            let reference = match centre {
+                _ if row.is_low() => low.get(start..).unwrap_or(&[]),
+                Some(centre) if taps.is_low_pass() => centre,
+                _ => reference,
             };
-            fill(self.rows.get_mut(taps.weights())?, row.get(start..)?, reference);
-            let of_west = if taps.is_low_pass() { 1 } else { 0 };
-            for (slots, step) in self.rows.iter_mut().zip(of_west..WEST) {
-                fill(slots, own.get(start.wrapping_add(REACH - 1).wrapping_sub(step)..)?, reference);
+            let slots = self.rows.iter_mut().skip(row.first_weight);
+            for (slots, step) in slots.zip(0..row.len()) {
+                fill(slots, window.get(step..)?, reference);
             }
-            for row in &known {
-                pad(row.coefficients, width, padded, |coefficient| coefficient);
-                let window = padded.get(start.wrapping_add(REACH).wrapping_sub(row.reach())..)?;
-                let centre = centre(&known, row.deep()).and_then(|centre| centre.coefficients.get(start..));
-                let reference = match centre {
-                    _ if row.is_low() => low.get(start..).unwrap_or(&[]),
-                    Some(centre) if taps.is_low_pass() => centre,
-                    _ => reference,
-                };
-                let slots = self.rows.iter_mut().skip(row.first_weight);
-                for (slots, step) in slots.zip(0..row.len()) {
-                    fill(slots, window.get(step..)?, reference);
-                }
-                if taps.is_low_pass() && row.is_central(row.deep()) {
-                    let nearer = self::centre(&known, row.deep().wrapping_add(1));
-                    let nearer = nearer.and_then(|nearer| nearer.coefficients.get(start..)).unwrap_or(west);
-                    let slots = self.rows.get_mut(row.central_weight())?;
-                    fill(slots, row.coefficients.get(start..)?, nearer);
-                }
+            if taps.is_low_pass() && row.is_central(row.deep()) {
+                let nearer = self::centre(known, row.deep().wrapping_add(1));
+                let nearer = nearer.and_then(|nearer| nearer.coefficients.get(start..)).unwrap_or(west);
+                let slots = self.rows.get_mut(row.central_weight())?;
+                fill(slots, row.coefficients.get(start..)?, nearer);
             }
-            self.add_block(taps.weights(), round);
         }
         Some(())
     }
@@ -191,12 +272,12 @@ impl Training {
     /// Adds a block of coefficients, each of which counts inversely to the square of the size that its residual is expected
     /// to have. What a residual costs is how large it is beside those around it, so a few edges, or the noise of a bright
     /// part, must not outweigh everything else.
-    fn add_block(&mut self, count: usize, round: &Round<'_>) {
-        let sizes = match round.weights {
+    fn add_block(&mut self, count: usize, least: i32, weights: Option<&[i16]>) {
+        let sizes = match weights {
             Some(weights) => self.residuals_around(weights),
             None => self.mean_differences(count),
         };
-        self.normalise(count, sizes.map(|size| size.wrapping_add(round.least)));
+        self.normalise(count, sizes.map(|size| size.wrapping_add(least)));
         let rows = self.rows.get(..=count).unwrap_or(&[]);
         let columns = Columns::new(rows);
         for (r, row) in rows.iter().enumerate() {
@@ -219,6 +300,14 @@ impl Training {
 
     /// The mean size of the residuals around each coefficient under `weights`, in 1/2^[`SIZE_BITS`].
     fn residuals_around(&self, weights: &[i16]) -> [i32; LANES] {
+        let mut sizes = self.residuals(weights);
+        average(sizes.iter_mut());
+        average(sizes.iter_mut().rev());
+        sizes
+    }
+
+    /// The sizes of the residuals under `weights`, in 1/2^[`SIZE_BITS`].
+    fn residuals(&self, weights: &[i16]) -> [i32; LANES] {
         let targets = self.rows.get(weights.len()).copied().unwrap_or([0; _]);
         let mut residuals = targets.map(|target| i32::from(target) << FRACTION_BITS);
         for (row, &weight) in self.rows.iter().zip(weights) {
@@ -228,10 +317,7 @@ impl Training {
                 *residual = residual.wrapping_sub(i32::from(difference).wrapping_mul(weight.into()));
             }
         }
-        let mut sizes = residuals.map(|residual| residual.wrapping_abs() >> (FRACTION_BITS - SIZE_BITS));
-        average(sizes.iter_mut());
-        average(sizes.iter_mut().rev());
-        sizes
+        residuals.map(|residual| residual.wrapping_abs() >> (FRACTION_BITS - SIZE_BITS))
     }
 
     /// Brings the differences of each coefficient to units of its size, given in 1/2^[`SIZE_BITS`], which gets
@@ -336,7 +422,8 @@ const fn index(row: usize, column: usize) -> usize {
     (row.wrapping_mul(row.wrapping_add(1)) / 2).wrapping_add(column)
 }
 
-/// Sets `slots` to `values` less `reference` (or 0), brought down by `shift` and limited.
+/// Sets as many `slots` to the differences of `values` from `reference`, if there is one, brought down and limited.
+#[inline(always)]
 fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32) {
     let limited = |difference: i32| low_half((difference >> shift).clamp(-LARGEST, LARGEST));
     if reference.is_empty() {
@@ -347,6 +434,17 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
             .iter_mut()
             .zip(pairs)
             .for_each(|(slot, (value, reference))| *slot = limited(value.wrapping_sub(*reference)));
+    }
+}
+
+/// The same for a whole block.
+#[inline(always)]
+fn block_of_differences(slots: &mut [i16; LANES], values: &[i32], reference: &[i32], shift: u32) {
+    match (values.first_chunk::<LANES>(), reference.first_chunk::<LANES>()) {
+        (Some(values), Some(reference)) if !cfg!(feature = "small") => {
+            differences(slots, values, reference, shift);
+        }
+        _ => differences(slots, values, reference, shift),
     }
 }
 
@@ -395,9 +493,14 @@ fn divided_unsigned(mut dividend: u64, divisor: u64) -> u64 {
     quotient
 }
 
-/// The places of rows to learn from, y and z: however few are taken, they lie all over the subband. The top rows of
-/// planes know too little to learn from, unless there is no other.
-fn rows(taps: &Taps) -> impl Iterator<Item = [usize; 2]> {
+/// The places of rows of about so many lessons, y and z: however few, they lie all over the subband. The top rows of planes
+/// know too little to learn from, unless there is no other.
+fn rows(taps: &Taps, lessons: usize) -> impl Iterator<Item = [usize; 2]> {
+    all_rows(taps).take(lessons.div_ceil(taps.row_len().max(1)))
+}
+
+/// The places of all of them, in that order.
+fn all_rows(taps: &Taps) -> impl Iterator<Item = [usize; 2]> {
     let ([_, height, _], planes) = (taps.subband.sides, taps.numbers());
     let first = usize::from(height > 1);
     let rows = height.wrapping_sub(first);
@@ -474,7 +577,7 @@ mod tests {
 
     fn trained(plan: &Plan, planes: Planes, samples: &[i32]) -> Weights {
         let taps = Taps::new(plan, plan.subbands(0).next().unwrap(), planes).unwrap();
-        { Training::NEW }.train(&taps, samples, &mut [0; 256], [1 << 13; 2])
+        { Training::NEW }.train(&taps, samples, [1 << 13; 2])
     }
 
     /// Noise of -2048 to 2047.

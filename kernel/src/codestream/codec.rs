@@ -169,7 +169,7 @@ impl Codec {
             && plan.levels() == 0
             && let Some(span) = means.suit(plan.extent(), coefficients.samples)
         {
-            let storage = if means.are_wide() { Storage::Wide } else { Storage::Tabled };
+            let storage = Storage::Tabled(means.form());
             let mut writer = SegmentWriter::new(sample_type, plan, storage, out);
             let Coefficients { samples, scratch, .. } = coefficients;
             let brick = (plan.extent(), span);
@@ -269,15 +269,14 @@ impl Codec {
                 let coded = dense.code(decoder, plan.extent(), header.sample_type(), samples, scratch);
                 Ok(coded.ok_or(Malformed::Segment)?)
             })?;
-        } else if let Storage::Tabled | Storage::Wide = header.storage {
-            let is_wide = header.storage == Storage::Wide;
+        } else if let Storage::Tabled(form) = header.storage {
             if !Feature::Tabled.is_built() {
                 return Err(DecodeError::NotBuilt(Feature::Tabled));
             }
-            if is_wide && !Feature::Trained.is_built() {
+            if form.is_trained() && !Feature::Trained.is_built() {
                 return Err(DecodeError::NotBuilt(Feature::Trained));
             }
-            let brick = (plan.extent(), is_wide);
+            let brick = (plan.extent(), form);
             let decoded = tabled::decode(&mut self.memory, brick, payload, samples, scratch);
             decoded.ok_or(Malformed::Segment)?;
         } else if header.is_stored() {

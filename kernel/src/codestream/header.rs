@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::coder::{LARGEST_SLACK, SHRINKING};
+use crate::coder::{LARGEST_SLACK, SHRINKING, tabled};
 use crate::extent::to_usize;
 use crate::{DecodeError, Dense, Extent, Feature, Lattice, Malformed, Plan, PlanError, SampleType, Wavelet};
 
@@ -32,9 +32,7 @@ pub(super) enum Storage {
     /// Under what is learnt from all samples before, in one segment.
     Dense,
     /// Under weights and tables that it brings, in one segment.
-    Tabled,
-    /// The same, with trained weights of more neighbours.
-    Wide,
+    Tabled(tabled::Form),
     /// As they are, little-endian, in one segment.
     Stored,
     /// As residuals of finer and finer lattices, one segment per lattice: no further off than `slack`, in steps that
@@ -77,7 +75,7 @@ impl Header {
         let storage = fields.storage()?;
         let (sample_type, wavelet) = fields.sample_type_and_wavelet()?;
         let plan = fields.plan(wavelet, storage)?;
-        if matches!(storage, Storage::Dense | Storage::Tabled | Storage::Wide) && plan.levels() > 0 {
+        if matches!(storage, Storage::Dense | Storage::Tabled(_)) && plan.levels() > 0 {
             return Err(Malformed::Levels.into());
         }
         let storage = fields.precision(storage)?;
@@ -124,9 +122,7 @@ impl Header {
         match self.storage {
             Storage::Dense => Dense::scratch_len(&self.plan),
             Storage::Lattice { .. } => Lattice::decoding_scratch_len(self.plan.extent()),
-            Storage::Coded | Storage::Light | Storage::Tabled | Storage::Wide | Storage::Stored => {
-                self.plan.scratch_len()
-            }
+            Storage::Coded | Storage::Light | Storage::Tabled(_) | Storage::Stored => self.plan.scratch_len(),
         }
     }
 
@@ -215,8 +211,9 @@ impl Fields<'_> {
             DENSE if !Feature::Dense.is_built() => Err(DecodeError::NotBuilt(Feature::Dense)),
             DENSE => Ok(Storage::Dense),
             LATTICE if !Feature::Lattice.is_built() => Err(DecodeError::NotBuilt(Feature::Lattice)),
-            TABLED => Ok(Storage::Tabled),
-            WIDE => Ok(Storage::Wide),
+            TABLED => Ok(Storage::Tabled(tabled::Form::Narrow)),
+            WIDE => Ok(Storage::Tabled(tabled::Form::Wide)),
+            CELLED => Ok(Storage::Tabled(tabled::Form::Celled)),
             LIGHT if !Feature::Light.is_built() => Err(DecodeError::NotBuilt(Feature::Light)),
             LIGHT => Ok(Storage::Light),
             LATTICE => Ok(Storage::Lattice { slack: 0, shrinking: 0 }),
@@ -277,6 +274,9 @@ const TABLED: u8 = 3;
 
 /// The storage field of samples under tables, predicted from more neighbours.
 const WIDE: u8 = 4;
+
+/// The storage field of samples under tables, predicted from more neighbours by the weights of each cell.
+const CELLED: u8 = 6;
 
 /// The storage field of coefficients in few decisions each.
 const LIGHT: u8 = 5;
@@ -340,8 +340,9 @@ impl Header {
             Storage::Coded => CODED,
             Storage::Light => LIGHT,
             Storage::Dense => DENSE,
-            Storage::Tabled => TABLED,
-            Storage::Wide => WIDE,
+            Storage::Tabled(tabled::Form::Narrow) => TABLED,
+            Storage::Tabled(tabled::Form::Wide) => WIDE,
+            Storage::Tabled(tabled::Form::Celled) => CELLED,
             Storage::Stored => STORED,
             Storage::Lattice { .. } => LATTICE,
         };

@@ -99,6 +99,16 @@ impl<'a> BitReader<'a> {
         self.read = self.read.wrapping_add(GROUP);
     }
 
+    /// All bytes.
+    pub(super) const fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// Bits taken.
+    pub(super) fn position(&self) -> usize {
+        self.read.wrapping_mul(8).wrapping_sub(crate::extent::to_usize(self.count))
+    }
+
     /// Bytes that the bits taken are in; `None` if there are not as many, or the last has bits set beyond.
     pub(super) fn finish(&self) -> Option<usize> {
         let unread = crate::extent::to_usize(self.count / 8);

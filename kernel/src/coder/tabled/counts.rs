@@ -68,6 +68,7 @@ impl<'a> Counts<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tables::Layout;
     use super::*;
 
     /// Shares of tokens 0, 3 and 12 that come so often, in turn.
@@ -83,7 +84,8 @@ mod tests {
             }
             counts.carry(3);
         }
-        counts.finish().normalise();
+        counts.finish().normalise(Layout::NEAREST);
+        tables.share_out(Layout::NEAREST);
         [0, 3, 12].map(|token| tables.share(5, token).frequency)
     }
 

@@ -10,12 +10,15 @@
 //! coders*, 2014, for states that take turns.
 
 mod bits;
+mod cells;
 mod class;
 mod counts;
+mod energies;
 mod narrow;
 mod neighbours;
 mod numerals;
 mod own;
+mod sets;
 #[cfg_attr(not(feature = "vectors"), path = "no_short_rows.rs")]
 mod short_rows;
 mod tables;
@@ -26,11 +29,14 @@ mod wide;
 use core::ops::Range;
 
 use self::bits::{BitReader, BitWriter};
+use self::cells::OwnLabels;
 use self::counts::Counts;
+use self::energies::Steps;
 use self::narrow::Narrow;
 use self::neighbours::row_at;
 use self::numerals::{NumeralReader, NumeralWriter};
 use self::short_rows::ShortRows;
+use self::tables::Layout;
 pub(super) use self::tables::Tables;
 pub(super) use self::train::Lessons;
 use self::wide::Wide;
@@ -75,15 +81,45 @@ impl Means<'_> {
         if samples.len() < FEWEST || samples.len() <= width {
             return None;
         }
-        let most_bits = if self.are_wide() { wide::MOST_SPAN_BITS } else { MOST_SPAN_BITS };
+        let most_bits = self.form().most_span_bits();
         let (lowest, highest) = range(samples);
         let span = highest.wrapping_sub(lowest);
         (span.cast_unsigned() >> most_bits == 0).then_some(Span { lowest, span })
     }
 
-    /// Whether a decoder has to know of all that trained predictors look at.
-    pub(crate) const fn are_wide(&self) -> bool {
-        matches!(self, Self::Wide(_))
+    /// The form that an encoder writes.
+    pub(crate) const fn form(&self) -> Form {
+        match self {
+            Self::Narrow => Form::Narrow,
+            Self::Wide(_) => Form::Celled,
+        }
+    }
+}
+
+/// What a decoder has to know of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) enum Form {
+    /// The nearest samples, and the nearest ranks.
+    Narrow,
+    /// All samples that trained predictors look at, and the nearest ranks: no encoder writes it any more.
+    Wide,
+    /// Those samples by the weights of each cell, and more ranks.
+    Celled,
+}
+
+impl Form {
+    /// Bits that samples may span.
+    const fn most_span_bits(self) -> u32 {
+        match self {
+            Self::Narrow => MOST_SPAN_BITS,
+            Self::Wide | Self::Celled => wide::MOST_SPAN_BITS,
+        }
+    }
+
+    /// Whether only builds that train know of it.
+    pub(crate) const fn is_trained(self) -> bool {
+        !matches!(self, Self::Narrow)
     }
 }
 
@@ -108,13 +144,14 @@ pub(crate) fn encode(
     }
     let _ = out.get(EXTRA_LEN)?;
     let mut brick = Brick { sides: extent.sides(), values: samples, scratch };
+    let mut labels = OwnLabels::NEW;
     let predictor = match means {
         Means::Wide(training) if Feature::Trained.is_built() => {
-            Predictor::Wide(Wide::train(training, extent, span, brick.values, brick.scratch)?)
+            Predictor::Wide(Wide::train(training, extent, span, brick.values, &mut labels)?)
         }
         _ => Predictor::Narrow(Narrow::train(memory.lessons()?, brick.sides, span, brick.values)),
     };
-    brick.make_residuals(&predictor);
+    brick.make_residuals(&predictor)?;
     let len = brick.write(memory.tables()?, &predictor, out);
     if len.is_none() {
         brick.values.iter_mut().for_each(|value| *value &= class::RANKS);
@@ -127,7 +164,7 @@ pub(crate) fn encode(
 #[cfg_attr(not(feature = "small"), inline(never))]
 pub(crate) fn decode(
     memory: &mut Memory,
-    (extent, is_wide): (Extent, bool),
+    (extent, form): (Extent, Form),
     bytes: &[u8],
     samples: &mut [i32],
     scratch: &mut [i32],
@@ -140,30 +177,73 @@ pub(crate) fn decode(
         return (bytes.len() == SPAN.end).then_some(());
     }
     let [width, ..] = extent.sides();
-    let most_bits = if is_wide { wide::MOST_SPAN_BITS } else { MOST_SPAN_BITS };
-    if span.cast_unsigned() >> most_bits != 0 || samples.len() <= width {
+    if span.cast_unsigned() >> form.most_span_bits() != 0 || samples.len() <= width {
         return None;
     }
     let extra_len = to_usize(u32::from_le_bytes(field(EXTRA_LEN)?));
     let (extra, rest) = bytes.get(EXTRA_LEN.end..)?.split_at_checked(extra_len)?;
     let span = Span { lowest, span };
     let mut head = BitReader::new(rest);
-    let predictor = if is_wide && Feature::Trained.is_built() {
-        Predictor::Wide(Wide::read(extent, span, &mut head)?)
-    } else {
-        Predictor::Narrow(Narrow::read(extent.sides(), span, &mut head)?)
+    let classes = match form {
+        Form::Celled if Feature::Trained.is_built() => Classes::Scaled(Steps::read(&mut head)?),
+        _ => Classes::Nearest,
+    };
+    let predictor = match form {
+        Form::Wide | Form::Celled if Feature::Trained.is_built() => {
+            Predictor::Wide(Wide::read(extent, span, form, &mut head)?)
+        }
+        _ => Predictor::Narrow(Narrow::read(extent.sides(), span, &mut head)?),
     };
     let mut brick = Brick { sides: extent.sides(), values: samples, scratch };
     let tables = memory.tables()?;
-    tables.read(&mut head)?;
-    brick.read(tables, extra, rest.get(head.finish()?..)?)?;
+    tables.read(classes.layout(), &mut head)?;
+    brick.read(&classes, tables, extra, rest.get(head.finish()?..)?)?;
     brick.make_samples(&predictor)
 }
 
 /// What the rows of a brick are predicted by; the wide one only in builds that train.
-enum Predictor {
+#[expect(clippy::large_enum_variant, reason = "there is one at a time, and nothing to put it in")]
+enum Predictor<'a> {
     Narrow(Narrow),
-    Wide(Wide),
+    Wide(Wide<'a>),
+}
+
+/// What the classes of ranks are made of; more than the nearest only in builds that train.
+enum Classes {
+    Nearest,
+    Scaled(Steps),
+}
+
+impl Classes {
+    /// How tables for them stand in the codestream.
+    const fn layout(&self) -> Layout {
+        match self {
+            Self::Nearest => Layout::NEAREST,
+            Self::Scaled(_) => Layout::ROUNDED,
+        }
+    }
+
+    /// The class of each place of row y of plane z, in the beginning of `scratch`, and the row.
+    #[cfg_attr(not(feature = "small"), inline(always))]
+    fn of_row<'a, 'b>(
+        &self,
+        values: &'a mut [i32],
+        sides: [usize; 3],
+        place: [usize; 2],
+        scratch: &'b mut [i32],
+    ) -> Option<(&'b mut [i32], &'a mut [i32])> {
+        match self {
+            Self::Scaled(steps) if Feature::Trained.is_built() => {
+                steps.classes(values, sides, place, scratch)
+            }
+            _ => {
+                let (around, row) = row_at(values, sides, place)?;
+                let classes = scratch.get_mut(..row.len())?;
+                class::classes(&around, classes);
+                Some((classes, row))
+            }
+        }
+    }
 }
 
 /// A brick of samples, or of the ranks of their residuals.
@@ -182,46 +262,37 @@ impl Brick<'_> {
 
     /// Makes ranks of residuals of samples.
     #[cfg_attr(feature = "small", inline(never))]
-    fn make_residuals(&mut self, predictor: &Predictor) -> Option<()> {
+    fn make_residuals(&mut self, predictor: &Predictor<'_>) -> Option<()> {
         let mut rows = self.rows().rev();
         let Self { sides, values, scratch } = self;
         match predictor {
             Predictor::Narrow(narrow) => rows.try_for_each(|place| {
-                let (own, row, sums) = narrow.row(values, *sides, place, scratch)?;
-                own.forward(row, sums);
+                let (own, mut before, row, sums) = narrow.row(values, *sides, place, scratch)?;
+                own.forward(row, sums, &mut before);
                 Some(())
             }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
             Predictor::Wide(wide) => {
                 let mut short_rows = ShortRows::NEW;
-                rows.try_for_each(|place| {
-                    let (own, row, sums) = wide.row(values, place, scratch, &mut short_rows)?;
-                    own.forward(row, sums);
-                    Some(())
-                })
+                rows.try_for_each(|place| wide.forward(values, place, scratch, &mut short_rows))
             }
         }
     }
 
     /// Undoes [`Brick::make_residuals`].
-    fn make_samples(&mut self, predictor: &Predictor) -> Option<()> {
+    fn make_samples(&mut self, predictor: &Predictor<'_>) -> Option<()> {
         let mut rows = self.rows();
         let Self { sides, values, scratch } = self;
         match predictor {
             Predictor::Narrow(narrow) => rows.try_for_each(|place| {
-                let (own, row, sums) = narrow.row(values, *sides, place, scratch)?;
-                own.inverse(row, sums);
+                let (own, mut before, row, sums) = narrow.row(values, *sides, place, scratch)?;
+                own.inverse(row, sums, &mut before);
                 Some(())
             }),
             Predictor::Wide(_) if !Feature::Trained.is_built() => None,
             Predictor::Wide(wide) => {
                 let mut short_rows = ShortRows::NEW;
-                rows.try_for_each(|place| {
-                    let (own, row, sums) = wide.row(values, place, scratch, &mut short_rows)?;
-                    own.inverse(row, sums);
-                    short_rows.note(row, own.span);
-                    Some(())
-                })
+                rows.try_for_each(|place| wide.inverse(values, place, scratch, &mut short_rows))
             }
         }
     }
@@ -237,15 +308,18 @@ impl Brick<'_> {
             reason = "the lint counts every copy of the counts; the frame is far smaller"
         )
     )]
-    fn write(&mut self, tables: &mut Tables, predictor: &Predictor, out: &mut [u8]) -> Option<usize> {
+    fn write(&mut self, tables: &mut Tables, predictor: &Predictor<'_>, out: &mut [u8]) -> Option<usize> {
         let (fixed, rest) = out.split_at_mut_checked(EXTRA_LEN.end)?;
+        let classes = match predictor {
+            Predictor::Wide(_) if Feature::Trained.is_built() => Classes::Scaled(Steps::of(self.values)),
+            _ => Classes::Nearest,
+        };
         let mut extra = BitWriter::new(rest);
         let mut counts = Counts::new(tables);
+        let [width, ..] = self.sides;
         for place in self.rows() {
-            let (around, row) = row_at(self.values, self.sides, place)?;
-            let classes = self.scratch.get_mut(..row.len())?;
-            class::classes(&around, classes);
-            for (row, classes) in row.chunks_mut(counts::PIECE).zip(classes.chunks(counts::PIECE)) {
+            let (of_row, row) = classes.of_row(self.values, self.sides, place, self.scratch)?;
+            for (row, classes) in row.chunks_mut(counts::PIECE).zip(of_row.chunks(counts::PIECE)) {
                 for (column, (value, &class)) in row.iter_mut().zip(classes).enumerate() {
                     let rank = value.cast_unsigned();
                     let (token, bits) = token::of_rank(rank);
@@ -262,16 +336,21 @@ impl Brick<'_> {
         let extra_len = extra.finish()?;
         copy(&u32::try_from(extra_len).ok()?.to_le_bytes(), fixed.get_mut(EXTRA_LEN)?);
         let mut head = BitWriter::new(rest.get_mut(extra_len..)?);
+        if Feature::Trained.is_built()
+            && let Classes::Scaled(steps) = &classes
+        {
+            steps.write(&mut head)?;
+        }
         match predictor {
             Predictor::Narrow(narrow) => narrow.write(self.sides, &mut head)?,
             Predictor::Wide(_) if !Feature::Trained.is_built() => return None,
             Predictor::Wide(wide) => wide.write(&mut head)?,
         }
-        tables.normalise();
-        tables.write(&mut head)?;
+        tables.normalise(classes.layout());
+        tables.write(classes.layout(), &mut head)?;
+        tables.share_out(classes.layout());
         let at = extra_len.wrapping_add(head.finish()?);
         let mut numerals = NumeralWriter::new(rest.get_mut(at..)?);
-        let [width, ..] = self.sides;
         for row in self.values.rchunks(width.max(1)) {
             numerals.write_row(tables, row)?;
         }
@@ -280,14 +359,12 @@ impl Brick<'_> {
 
     /// Reads the ranks: `extra` holds their extra bits, `numerals` all else.
     #[cfg_attr(feature = "small", inline(never))]
-    fn read(&mut self, tables: &Tables, extra: &[u8], numerals: &[u8]) -> Option<()> {
+    fn read(&mut self, classes: &Classes, tables: &Tables, extra: &[u8], numerals: &[u8]) -> Option<()> {
         let mut numerals = NumeralReader::new(numerals)?;
         let mut extra = BitReader::new(extra);
         for place in self.rows() {
-            let (around, row) = row_at(self.values, self.sides, place)?;
-            let classes = self.scratch.get_mut(..row.len())?;
-            class::classes(&around, classes);
-            numerals.read_row(tables, classes, row);
+            let (of_row, row) = classes.of_row(self.values, self.sides, place, self.scratch)?;
+            numerals.read_row(tables, of_row, row);
             for rank in row {
                 if let Some((base, bits)) = token::octave(rank.cast_unsigned()) {
                     *rank = (base | extra.take(bits)).cast_signed();
@@ -361,7 +438,7 @@ mod tests {
         ] {
             for amplitude in [1, 7, 300] {
                 let samples = waves(axes, amplitude);
-                for (effort, storage) in [(Effort::Tabled, 3), (Effort::Wide(&mut { Training::NEW }), 4)] {
+                for (effort, storage) in [(Effort::Tabled, 3), (Effort::Wide(&mut { Training::NEW }), 6)] {
                     let bytes = encode_with(effort, axes, SampleType::I16, &samples);
                     assert_eq!(bytes[STORAGE], storage);
                     assert!(bytes.len() < samples.len() * 2, "{axes:?}");

@@ -2,7 +2,7 @@
 
 use super::bits::{BitReader, BitWriter};
 use super::neighbours::{Around, Kind, add_row, add_three, five, row_at};
-use super::own::{Known, OwnRow};
+use super::own::OwnRow;
 use super::train::Lessons;
 use super::{MOST_SPAN_BITS, Span};
 
@@ -90,6 +90,9 @@ pub(super) struct Narrow {
     starts: [i32; 2],
 }
 
+/// The weight of W, what stands before a row, the row itself, and the sums over known rows.
+type Known<'a> = (OwnRow<1>, [i32; 1], &'a mut [i32], &'a mut [i32]);
+
 /// Kinds of rows that have weights in a brick of `sides`.
 fn weighted([_, height, depth]: [usize; 3]) -> impl Iterator<Item = Kind> {
     let kinds = [(height > 1, Kind::Plane), (depth > 1, Kind::Brick)];
@@ -136,12 +139,12 @@ impl Narrow {
         sides: [usize; 3],
         place: [usize; 2],
         scratch: &'a mut [i32],
-    ) -> Option<Known<'a, 1>> {
+    ) -> Option<Known<'a>> {
         let (around, row) = row_at(values, sides, place)?;
         let sums = scratch.get_mut(..row.len())?;
         let weights = [self.sum_known(&around, sums)];
         let reference = *around.north.first().unwrap_or(&self.span.lowest);
-        Some((OwnRow { weights, reference, span: self.span }, row, sums))
+        Some((OwnRow { weights, span: self.span }, [reference], row, sums))
     }
 
     /// The sums over known rows; returns the weight of W.
@@ -183,11 +186,11 @@ mod tests {
         // p = (10 + 10) / 2 + 20 / 4 = 15, (17 + 20) / 2 + 30 / 4 = 26, 25 at most, (20 + 30) / 2 + 30 / 4 = 32.5, 25.
         let mut values = [10, 20, 30, 17, 20, 25];
         let mut scratch = [0; 3];
-        let (own, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
-        own.forward(row, sums);
+        let (own, mut west, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
+        own.forward(row, sums, &mut west);
         assert_eq!(values, [10, 20, 30, 3, 10, 0]);
-        let (own, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
-        own.inverse(row, sums);
+        let (own, mut west, row, sums) = narrow.row(&mut values, [3, 2, 1], [1, 0], &mut scratch).unwrap();
+        own.inverse(row, sums, &mut west);
         assert_eq!(values, [10, 20, 30, 17, 20, 25]);
     }
 
@@ -199,8 +202,8 @@ mod tests {
             let narrow = Narrow::new(weights.clone(), Span { lowest, span: 30 });
             let mut values = [7, 9, 3, 1, 20, 5, 5, 12, 0, 8, 8, 30].map(|sample| sample + lowest);
             let mut scratch = [0; 3];
-            let (own, row, sums) = narrow.row(&mut values, [3, 2, 2], place, &mut scratch).unwrap();
-            own.forward(row, sums);
+            let (own, mut west, row, sums) = narrow.row(&mut values, [3, 2, 2], place, &mut scratch).unwrap();
+            own.forward(row, sums, &mut west);
             let [y, z] = place;
             values.iter().copied().skip(6 * z + 3 * y).take(3).collect::<heapless::Vec<i32, 3>>()
         };

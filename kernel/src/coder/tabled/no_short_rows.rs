@@ -23,5 +23,5 @@ impl ShortRows {
         None
     }
 
-    pub(super) const fn sum(&self, _: &[(usize, &[i16])], _: i32, _: &mut [i32]) {}
+    pub(super) const fn sum(&self, _: &[(usize, &[i16])], _: i32, _: usize, _: &mut [i32]) {}
 }

@@ -199,6 +199,7 @@ fn read_token(ahead: &mut Ahead, tables: &Tables, class: i32, state: &mut u32) -
 
 #[cfg(test)]
 mod tests {
+    use super::super::tables::Layout;
     use super::*;
 
     /// Half the points of class 0 are of each of the tokens 0 and 1.
@@ -206,7 +207,8 @@ mod tests {
         let mut tables = Tables::NEW;
         tables.count(0, 0, 1);
         tables.count(0, 1, 1);
-        tables.normalise();
+        tables.normalise(Layout::NEAREST);
+        tables.share_out(Layout::NEAREST);
         tables
     }
 

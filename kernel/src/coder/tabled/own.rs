@@ -8,47 +8,45 @@ use crate::coder::rank::{of_rank, rank};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OwnRow<const N: usize> {
     pub(super) weights: [i32; N],
-    /// What stands before the first sample.
-    pub(super) reference: i32,
     pub(super) span: Span,
 }
 
-/// What is known of a row, the row itself, and the sums over known rows.
-pub(super) type Known<'a, const N: usize> = (OwnRow<N>, &'a mut [i32], &'a mut [i32]);
-
 impl<const N: usize> OwnRow<N> {
-    /// Makes ranks of residuals of the samples of a row, by the sums over known rows, which it uses up.
+    /// Makes ranks of residuals of the samples of a row or a part of it, by the sums over known rows, which it uses up.
+    /// `west` are the last samples before, and then the last of these.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn forward(&self, row: &mut [i32], sums: &mut [i32]) {
+    pub(super) fn forward(&self, row: &mut [i32], sums: &mut [i32], west: &mut [i32; N]) {
         if cfg!(feature = "small") {
-            let mut west = [self.reference; N];
             for (slot, &sum) in row.iter_mut().zip(&*sums) {
-                let residual = slot.wrapping_sub(self.predicted(self.add(sum, &west)));
-                slide(&mut west, *slot);
+                let residual = slot.wrapping_sub(self.predicted(self.add(sum, west)));
+                slide(west, *slot);
                 *slot = rank(residual);
             }
             return;
         }
         for (back, &weight) in (1..).zip(&self.weights) {
             let (first, others) = sums.split_at_mut_checked(back.min(row.len())).unwrap_or_default();
-            first.iter_mut().for_each(|sum| *sum = sum.wrapping_add(weight.wrapping_mul(self.reference)));
+            for (sum, sample) in first.iter_mut().zip(west.iter().take(back).rev()) {
+                *sum = sum.wrapping_add(weight.wrapping_mul(*sample));
+            }
             for (sum, &sample) in others.iter_mut().zip(&*row) {
                 *sum = sum.wrapping_add(weight.wrapping_mul(sample));
             }
         }
+        let last = row.len().saturating_sub(N);
+        row.iter().skip(last).for_each(|&sample| slide(west, sample));
         for (slot, &sum) in row.iter_mut().zip(&*sums) {
             *slot = rank(slot.wrapping_sub(self.predicted(sum)));
         }
     }
 
-    /// Makes samples of the ranks of a row, by the sums over known rows, which it uses up.
+    /// Makes samples of the ranks of a row or a part of it, as [`OwnRow::forward`] made ranks of them.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn inverse(&self, row: &mut [i32], sums: &mut [i32]) {
+    pub(super) fn inverse(&self, row: &mut [i32], sums: &mut [i32], before: &mut [i32; N]) {
         if cfg!(feature = "small") {
-            let mut west = [self.reference; N];
             for (slot, &sum) in row.iter_mut().zip(&*sums) {
-                let sample = self.predicted(self.add(sum, &west)).wrapping_add(of_rank(*slot));
-                slide(&mut west, sample);
+                let sample = self.predicted(self.add(sum, before)).wrapping_add(of_rank(*slot));
+                slide(before, sample);
                 *slot = sample;
             }
             return;
@@ -61,7 +59,7 @@ impl<const N: usize> OwnRow<N> {
             *slot = of_rank(*slot);
             *sum = sum.wrapping_add(of_lowest).wrapping_add(*slot << FRACTION_BITS);
         }
-        let mut west = [self.reference.wrapping_sub(lowest); N];
+        let mut west = before.map(|sample| sample.wrapping_sub(lowest));
         for (slot, &sum) in row.iter_mut().zip(&*sums) {
             let sum = self.add(sum, &west);
             let mut sample = sum >> FRACTION_BITS;
@@ -71,6 +69,7 @@ impl<const N: usize> OwnRow<N> {
             slide(&mut west, sample);
             *slot = sample.wrapping_add(lowest);
         }
+        *before = west.map(|sample| sample.wrapping_add(lowest));
     }
 
     /// The sample, less the lowest, of a prediction that is beyond the span: seldom, so that it is foreseen not to be.
@@ -107,27 +106,27 @@ mod tests {
 
     #[test]
     fn rows_by_hand() {
-        let own = OwnRow { weights: [128, 64], reference: 8, span: Span { lowest: -2, span: 20 } };
+        let own = OwnRow { weights: [128, 64], span: Span { lowest: -2, span: 20 } };
         // Half W and a quarter WW, and what known rows add: 8 / 2 + 8 / 4 + 0, 10 / 2 + 8 / 4 + 1, 6 / 2 + 10 / 4 + 2,
         // each less the lowest, which is added again.
         let known = [0, 1, 2].map(|known: i32| (known + 2) << FRACTION_BITS);
         let (mut row, mut sums) = ([10, 6, 18], known);
-        own.forward(&mut row, &mut sums);
+        own.forward(&mut row, &mut sums, &mut [8; 2]);
         assert_eq!(row, [10 - 6, 6 - 8, 18 - 7].map(rank));
         sums = known;
-        own.inverse(&mut row, &mut sums);
+        own.inverse(&mut row, &mut sums, &mut [8; 2]);
         assert_eq!(row, [10, 6, 18]);
     }
 
     #[test]
     fn predictions_beyond_the_span_are_its_ends() {
-        let own = OwnRow { weights: [256], reference: 0, span: Span { lowest: 5, span: 10 } };
+        let own = OwnRow { weights: [256], span: Span { lowest: 5, span: 10 } };
         let known = [-100 << FRACTION_BITS, 100 << FRACTION_BITS];
         let (mut row, mut sums) = ([15, 5], known);
-        own.forward(&mut row, &mut sums);
+        own.forward(&mut row, &mut sums, &mut [0]);
         assert_eq!(row, [15 - 5, 5 - 15].map(rank));
         sums = known;
-        own.inverse(&mut row, &mut sums);
+        own.inverse(&mut row, &mut sums, &mut [0]);
         assert_eq!(row, [15, 5]);
     }
 }

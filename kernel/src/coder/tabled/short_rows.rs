@@ -10,7 +10,7 @@ use crate::coder::taps::{REACH, SAMPLES};
 /// Columns of the widest rows.
 const WIDEST: usize = 128;
 
-/// Columns that are summed up together.
+/// Columns that are summed up together, where as many have the same weights.
 const COLUMNS: usize = 64;
 
 /// Elements of a vector of samples.
@@ -75,14 +75,31 @@ impl ShortRows {
         Some(number)
     }
 
-    /// Sets `sums` to `start` and the weighted neighbours in rows that are kept.
+    /// Sets `sums`, those of the columns from `first`, to `start` and the weighted neighbours in rows that are kept.
     #[inline(always)]
-    pub(super) fn sum(&self, rows: &[(usize, &[i16])], start: i32, sums: &mut [i32]) {
-        for (sums, from) in sums.chunks_mut(COLUMNS).zip((0..).step_by(COLUMNS)) {
-            let mut all = Sums::ZERO;
+    pub(super) fn sum(&self, rows: &[(usize, &[i16])], start: i32, first: usize, sums: &mut [i32]) {
+        let rest = sums.len() % COLUMNS;
+        let (many, few) = sums.split_at_mut_checked(sums.len().wrapping_sub(rest)).unwrap_or_default();
+        let first_of_few = first.wrapping_add(many.len());
+        self.sum_chunks::<{ COLUMNS / LANES }, { COLUMNS + 8 }>(rows, start, first, many);
+        self.sum_chunks::<2, { 2 * LANES + 8 }>(rows, start, first_of_few, few);
+    }
+
+    /// The same, so many vectors at a time, for which so many columns of each row are needed.
+    #[inline(always)]
+    fn sum_chunks<const VECTORS: usize, const NEEDED: usize>(
+        &self,
+        rows: &[(usize, &[i16])],
+        start: i32,
+        first: usize,
+        sums: &mut [i32],
+    ) {
+        let columns = VECTORS.wrapping_mul(LANES);
+        for (sums, from) in sums.chunks_mut(columns).zip((first..).step_by(columns)) {
+            let mut all = Sums::<VECTORS>::ZERO;
             for (number, weights) in rows {
                 let Some(row) = self.rows.get(*number).and_then(|row| row.get(from..)) else { return };
-                let Some(columns) = row.first_chunk() else { return };
+                let Some(columns) = row.first_chunk::<NEEDED>() else { return };
                 all.add(columns, weights);
             }
             all.write(start, sums);
@@ -101,18 +118,15 @@ fn shorten(row: &[i32], middle: i32, short: &mut ShortRow) {
     rest.iter_mut().skip(row.len()).take(REACH).for_each(|slot| *slot = difference(last));
 }
 
-/// Columns with those around them that count, rounded up.
-type Columns = [i16; COLUMNS + 8];
-
 /// Sums of columns, by vectors of samples: those of even columns, and those of odd ones.
-struct Sums([[i32x8; 2]; COLUMNS / LANES]);
+struct Sums<const VECTORS: usize>([[i32x8; 2]; VECTORS]);
 
-impl Sums {
+impl<const VECTORS: usize> Sums<VECTORS> {
     const ZERO: Self = Self([[i32x8::ZERO; 2]; _]);
 
     /// Adds the weighted neighbours in a row.
     #[inline(always)]
-    fn add(&mut self, columns: &Columns, weights: &[i16]) {
+    fn add<const NEEDED: usize>(&mut self, columns: &[i16; NEEDED], weights: &[i16]) {
         match *weights {
             [a] => self.add_pairs(columns, [[a, 0]]),
             [a, b, c] => self.add_pairs(columns, [[a, b], [c, 0]]),
@@ -123,7 +137,11 @@ impl Sums {
     }
 
     #[inline(always)]
-    fn add_pairs<const N: usize>(&mut self, columns: &Columns, pairs: [[i16; 2]; N]) {
+    fn add_pairs<const NEEDED: usize, const N: usize>(
+        &mut self,
+        columns: &[i16; NEEDED],
+        pairs: [[i16; 2]; N],
+    ) {
         let pairs = pairs.map(|[a, b]| i16x16::new([a, b, a, b, a, b, a, b, a, b, a, b, a, b, a, b]));
         let first = (REACH + 1).wrapping_sub(N);
         for (sums, first) in self.0.iter_mut().zip((first..).step_by(LANES)) {

@@ -1,8 +1,8 @@
 //! The frequencies of tokens, by class.
 
 use super::bits::{BitReader, BitWriter};
-use super::class::CLASSES;
 use super::token::TOKENS;
+use super::{class, energies};
 
 /// Frequencies of a class sum up to 2^12.
 pub(super) const SUM_BITS: u32 = 12;
@@ -35,7 +35,36 @@ const LOW: u16 = (1 << LOW_BITS) - 1;
 
 const _: () = assert!(COUNT_BITS + SUM_BITS < u32::BITS);
 
-const _: () = assert!(CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
+const _: () =
+    assert!(class::CLASSES <= CLASS_SLOTS && energies::CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
+
+/// How tables stand in the codestream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    classes: usize,
+    /// Bits of a frequency from the leading one on; all below are zero.
+    digits: u32,
+}
+
+impl Layout {
+    /// With classes by the nearest ranks: frequencies as they are.
+    pub(super) const NEAREST: Self = Self { classes: class::CLASSES, digits: SUM_BITS + 1 };
+
+    /// With classes by more: what rounding costs is less than the bits that it saves.
+    pub(super) const ROUNDED: Self = Self { classes: energies::CLASSES, digits: 4 };
+
+    /// Low bits of a frequency of so many bits that are zero.
+    const fn zeros(self, size: u32) -> u32 {
+        size.saturating_sub(self.digits)
+    }
+
+    /// A frequency of no more digits, as near as can be; halves are rounded up.
+    const fn rounded(self, frequency: u16) -> u16 {
+        let zeros = self.zeros(u16::BITS.wrapping_sub(frequency.leading_zeros()));
+        let half = (1_u16 << zeros) >> 1;
+        frequency.wrapping_add(half) >> zeros << zeros
+    }
+}
 
 /// For each class where the shares of its tokens begin, from 0 to 4096.
 ///
@@ -86,9 +115,9 @@ impl Tables {
         }
     }
 
-    /// Makes starts of shares of the counts: each token that was counted has a share.
-    pub(super) fn normalise(&mut self) {
-        for (counts, highs) in self.starts.iter_mut().zip(&self.finder).take(CLASSES) {
+    /// Makes frequencies of counts: each token that was counted has one.
+    pub(super) fn normalise(&mut self, layout: Layout) {
+        for (counts, highs) in self.starts.iter_mut().zip(&self.finder).take(layout.classes) {
             let total = |(&low, &high): (&u16, &u8)| (u32::from(high) << LOW_BITS).wrapping_add(low.into());
             let sum = counts.iter().zip(highs).map(total).fold(0, u32::wrapping_add);
             for (count, high) in counts.iter_mut().zip(highs) {
@@ -96,35 +125,43 @@ impl Tables {
                 let share = (total << SUM_BITS).wrapping_add(sum >> 1).checked_div(sum).unwrap_or(0);
                 *count = u16::try_from(share).unwrap_or(SUM).max(u16::from(total > 0));
             }
-            balance(counts);
-            accumulate(counts);
+            if layout == Layout::NEAREST {
+                balance(counts);
+            }
+            counts.iter_mut().for_each(|frequency| *frequency = layout.rounded(*frequency));
         }
     }
 
     /// Writes the frequencies.
-    pub(super) fn write(&self, bits: &mut BitWriter<'_>) -> Option<()> {
-        for starts in self.starts.iter().take(CLASSES) {
-            let frequencies = starts.array_windows().map(|[start, end]| end.wrapping_sub(*start));
-            let used = frequencies
-                .clone()
-                .rposition(|frequency| frequency > 0)
-                .map_or(0, |last| last.wrapping_add(1));
+    pub(super) fn write(&self, layout: Layout, bits: &mut BitWriter<'_>) -> Option<()> {
+        for frequencies in self.starts.iter().take(layout.classes) {
+            let last = frequencies.iter().rposition(|&frequency| frequency > 0);
+            let used = last.map_or(0, |last| last.wrapping_add(1));
             bits.put(u32::try_from(used).ok()?, NUMBER_BITS)?;
             let mut before = SUM_BITS;
-            for frequency in frequencies.take(used) {
+            for &frequency in frequencies.iter().take(used) {
                 let size = u16::BITS.wrapping_sub(frequency.leading_zeros());
                 write_step(bits, size.cast_signed().wrapping_sub(before.cast_signed()))?;
-                bits.put(frequency.into(), size.saturating_sub(1))?;
+                let zeros = layout.zeros(size);
+                bits.put(u32::from(frequency) >> zeros, size.saturating_sub(1).saturating_sub(zeros))?;
                 before = size;
             }
         }
         Some(())
     }
 
+    /// Makes starts of shares of the frequencies.
+    pub(super) fn share_out(&mut self, layout: Layout) {
+        for frequencies in self.starts.iter_mut().take(layout.classes) {
+            balance(frequencies);
+            accumulate(frequencies);
+        }
+    }
+
     /// Reads what [`Tables::write`] wrote; `None` if frequencies do not sum up. In a class without tokens the first has
     /// all, so that damage which asks for one changes no state.
-    pub(super) fn read(&mut self, bits: &mut BitReader<'_>) -> Option<()> {
-        for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(CLASSES) {
+    pub(super) fn read(&mut self, layout: Layout, bits: &mut BitReader<'_>) -> Option<()> {
+        for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(layout.classes) {
             let used = low(bits.take(NUMBER_BITS));
             if used > TOKENS {
                 return None;
@@ -137,7 +174,8 @@ impl Tables {
                     return None;
                 }
                 before = size;
-                let below = bits.take(size.saturating_sub(1));
+                let zeros = layout.zeros(size);
+                let below = bits.take(size.saturating_sub(1).saturating_sub(zeros)) << zeros;
                 let leading = if size == 0 { 0 } else { 1_u32 << size.wrapping_sub(1) };
                 *frequency = u16::try_from(below | leading).ok()?;
                 sum = sum.checked_add(*frequency)?;
@@ -145,9 +183,11 @@ impl Tables {
             if used == 0 {
                 let [first, ..] = starts;
                 *first = SUM;
-            } else if sum != SUM || starts.get(used.wrapping_sub(1)) == Some(&0) {
+            } else if layout == Layout::NEAREST && sum != SUM || starts.get(used.wrapping_sub(1)) == Some(&0)
+            {
                 return None;
             }
+            balance(starts);
             accumulate(starts);
             fill_finder(starts, finder);
         }
@@ -268,15 +308,15 @@ mod tests {
             tables.count(2, 0, 1);
         }
         tables.count(2, 5, 1);
-        tables.normalise();
+        tables.normalise(Layout::NEAREST);
         let mut out = [0; 64];
         let mut bits = BitWriter::new(&mut out);
-        tables.write(&mut bits).unwrap();
+        tables.write(Layout::NEAREST, &mut bits).unwrap();
         // 14 counts; of sizes 12, 0, 0, 0, 0, 11 the steps 0, -12, 0, 0, 0, 11; 11 + 10 bits below leading ones.
         let len = (14 * 6 + 1 + 25 + 3 + 22 + 11 + 10_usize).div_ceil(8);
         assert_eq!(bits.finish(), Some(len));
         let mut read = Tables::NEW;
-        read.read(&mut BitReader::new(&out)).unwrap();
+        read.read(Layout::NEAREST, &mut BitReader::new(&out)).unwrap();
         let find = |class, point| {
             let (token, Share { start, frequency }) = read.find(class, point);
             (token, start, frequency)
@@ -284,6 +324,30 @@ mod tests {
         assert_eq!([find(2, 0), find(2, 3071)], [(0, 0, 3072); 2]);
         assert_eq!([find(2, 3072), find(2, 4095)], [(5, 3072, 1024); 2]);
         assert_eq!([find(7, 0), find(7, 4095)], [(0, 0, 4096); 2], "a class without tokens");
+    }
+
+    #[test]
+    fn frequencies_are_rounded_to_four_digits() {
+        let round = |frequency| Layout::ROUNDED.rounded(frequency);
+        assert_eq!([1, 15, 16, 17, 18, 31, 2303, 4000].map(round), [1, 15, 16, 18, 18, 32, 2304, 4096]);
+        assert_eq!(Layout::NEAREST.rounded(4095), 4095);
+        let mut tables = Tables::NEW;
+        for (token, count) in [(0, 700), (1, 300), (2, 17)] {
+            tables.count(3, token, count);
+        }
+        tables.normalise(Layout::ROUNDED);
+        let mut out = [0; 64];
+        let mut bits = BitWriter::new(&mut out);
+        tables.write(Layout::ROUNDED, &mut bits).unwrap();
+        // 14 counts; of sizes 12, 11, 7 the steps 0, -1, -4; three bits each below leading ones.
+        assert_eq!(bits.finish(), Some((14 * 6 + 1 + 3 + 9 + 9_usize).div_ceil(8)));
+        tables.share_out(Layout::ROUNDED);
+        let mut read = Tables::NEW;
+        read.read(Layout::ROUNDED, &mut BitReader::new(&out)).unwrap();
+        // 2819, 1208 and 68 of 4096 become 2816, 1152 and 72; the largest gets what is missing.
+        let frequencies = [0, 1, 2].map(|token| read.share(3, token).frequency);
+        assert_eq!(frequencies, [2872, 1152, 72]);
+        assert_eq!(frequencies, [0, 1, 2].map(|token| tables.share(3, token).frequency));
     }
 
     #[test]
@@ -300,6 +364,9 @@ mod tests {
     fn a_wrong_sum_is_refused() {
         // One token of size 12, which is no change: 2048 of 4096.
         let [low, high] = 1_u16.to_le_bytes();
-        assert_eq!({ Tables::NEW }.read(&mut BitReader::new(&[low, high, 0, 0])), None);
+        let read = |layout| { Tables::NEW }.read(layout, &mut BitReader::new(&[low, high, 0, 0]));
+        assert_eq!(read(Layout::NEAREST), None);
+        // Of rounded ones it is made right.
+        assert_eq!(read(Layout::ROUNDED), Some(()));
     }
 }
