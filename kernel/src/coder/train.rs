@@ -134,10 +134,13 @@ impl<'a> Around<'a> {
 type Window = [i32; LANES + 2 * REACH];
 
 /// The columns around the block at `start` of a row, which has its first and its last coefficient again beyond its ends.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
+#[cfg_attr(feature = "small", inline(never))]
 fn window(row: &[i32], start: usize) -> Window {
     let from = start.checked_sub(REACH);
-    if let Some(window) = from.and_then(|from| row.get(from..)).and_then(|rest| rest.first_chunk()) {
+    if !cfg!(feature = "small")
+        && let Some(window) = from.and_then(|from| row.get(from..)).and_then(|rest| rest.first_chunk())
+    {
         return *window;
     }
     let (Some(&first), Some(&last)) = (row.first(), row.last()) else { return [0; _] };
@@ -423,7 +426,8 @@ const fn index(row: usize, column: usize) -> usize {
 }
 
 /// Sets as many `slots` to the differences of `values` from `reference`, if there is one, brought down and limited.
-#[inline(always)]
+#[cfg_attr(not(feature = "small"), inline(always))]
+#[cfg_attr(feature = "small", inline(never))]
 fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32) {
     let limited = |difference: i32| low_half((difference >> shift).clamp(-LARGEST, LARGEST));
     if reference.is_empty() {
@@ -440,10 +444,9 @@ fn differences(slots: &mut [i16], values: &[i32], reference: &[i32], shift: u32)
 /// The same for a whole block.
 #[inline(always)]
 fn block_of_differences(slots: &mut [i16; LANES], values: &[i32], reference: &[i32], shift: u32) {
+    // Of a length that is known, many are taken at once.
     match (values.first_chunk::<LANES>(), reference.first_chunk::<LANES>()) {
-        (Some(values), Some(reference)) if !cfg!(feature = "small") => {
-            differences(slots, values, reference, shift);
-        }
+        (Some(values), Some(reference)) => differences(slots, values, reference, shift),
         _ => differences(slots, values, reference, shift),
     }
 }

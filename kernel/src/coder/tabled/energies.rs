@@ -211,7 +211,7 @@ mod tests {
         // for those before too: 11 + 6 + 5, and 2 (8 + 4 + 6) of its neighbours.
         assert_eq!(classes(&[1; 9], [3, 3, 1], [0, 0], 0), [0; 3]);
         assert_eq!(classes(&[1; 9], [3, 3, 1], [1, 0], 0), [7; 3]);
-        let in_middle = [0, 0, 0, 0, 3, 0, 0, 0, 0];
+        let in_middle: [i32; 18] = core::array::from_fn(|i| if i == 4 { 3 } else { 0 });
         // N is NN and the third too: 6 x 3, (8 + 4) x 3, (11 + 6 + 5) x 3.
         assert_eq!(classes(&in_middle, [9, 2, 1], [1, 0], 0), [0, 0, 5, 6, 7, 6, 5, 0, 0]);
         // And half of it.
