@@ -38,7 +38,7 @@ impl Samples<'_> {
 }
 
 /// A brick in the file.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Encoded {
     /// Its codestreams, one after another, then its exceptions.
     pub(super) bytes: Vec<u8>,

@@ -9,7 +9,7 @@ use super::content::{Channel, Head, Step, Summary};
 use super::encode::Job;
 use super::supply::{Block, Gathered, Layout, Supply};
 use super::survey::Survey;
-use super::trial::Trial;
+use super::trial::{Trial, Tried};
 use super::writer::Writer;
 use super::{Brick, Choice, CompressError, Container, Effort, Form, Grid, Pool, Progress, memory};
 use crate::bound::{Bound, Tolerance};
@@ -233,10 +233,12 @@ impl<'a> Compressor<'a> {
         let sides =
             self.options.brick.unwrap_or_else(|| self.default_sides(errors.clone().fold(0.0, f64::max)));
         let grid = Grid::new(self.head.extent, sides).ok_or(CompressError::BrickSides(sides))?;
-        let mut codings = Vec::new();
+        let (mut codings, mut tried) = (Vec::new(), Vec::new());
         for ((component, survey), error) in (0..).zip(&surveys).zip(errors) {
             tell(progress, 0)?;
-            codings.push(self.best(supply, survey, &grid, (component, error))?);
+            let (coding, of_trial) = self.best(supply, survey, &grid, (component, error))?;
+            codings.push(coding);
+            tried.push(of_trial);
         }
         let channels = codings.iter_mut().zip(&surveys).zip(bounds);
         let channels =
@@ -245,7 +247,7 @@ impl<'a> Compressor<'a> {
         let step = Step { number, name, time, sides: grid.sides, channels: channels.collect() };
         writer.step(&step)?;
         let most = self.most(&grid, supply.held());
-        let job = Job { step: &step, codings: &codings, grid, element, layout, most };
+        let job = Job { step: &step, codings: &codings, tried: &tried, grid, element, layout, most };
         let coded = job.run(supply, &self.pool, writer, progress)?;
         if coded.is_some_and(|coded| coded != crc) {
             return Err(CompressError::Changed);
@@ -292,14 +294,15 @@ impl<'a> Compressor<'a> {
         Grid::default_sides(self.head.extent, samples)
     }
 
-    /// What makes a component smallest, judging by some pieces of it.
+    /// What makes a component smallest, judging by some pieces of it; and what that makes of the whole, if it was tried on
+    /// that.
     fn best(
         &self,
         supply: &mut Supply<'_>,
         survey: &Survey,
         grid: &Grid,
         (component, error): (u32, f64),
-    ) -> Result<Coding, CompressError> {
+    ) -> Result<(Coding, Option<Tried>), CompressError> {
         let (layout, element, effort) = (self.layout(), self.head.element, self.options.effort);
         let mut cut = |boxes: &[Brick]| {
             let cut_one = |&Brick { origin, sides }: &Brick| {

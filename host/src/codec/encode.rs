@@ -9,6 +9,7 @@ use super::ahead::read_ahead;
 use super::brick::{Coding, Encoded, Samples, Unencodable};
 use super::content::{Place, Step};
 use super::supply::{Block, Layout, Supply};
+use super::trial::Tried;
 use super::units::{Unit, counts, units};
 use super::writer::Writer;
 use super::{Brick, CompressError, Grid, Pool, Progress};
@@ -23,6 +24,8 @@ const IN_FLIGHT: u64 = 4;
 pub(super) struct Job<'a> {
     pub(super) step: &'a Step,
     pub(super) codings: &'a [Coding],
+    /// What is known of some bricks, by component.
+    pub(super) tried: &'a [Option<Tried>],
     pub(super) grid: Grid,
     pub(super) element: ElementType,
     pub(super) layout: Layout,
@@ -90,7 +93,11 @@ impl Job<'_> {
         let block = Block { values, layout: self.layout, origin: unit.origin, sides: unit.sides };
         let bytes = block.cut(origin, sides, place.component);
         let samples = Samples { element: self.element, sides, bytes: &bytes };
-        pool.with_worker(|worker| worker.encode(samples, &self.codings[place.component as usize]))
+        let component = place.component as usize;
+        match self.tried[component].as_ref().and_then(|tried| tried.encoded(samples)) {
+            Some(encoded) => Ok(encoded),
+            None => pool.with_worker(|worker| worker.encode(samples, &self.codings[component])),
+        }
     }
 }
 

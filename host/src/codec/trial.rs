@@ -2,7 +2,7 @@
 
 use wavelift_kernel::SampleType;
 
-use super::brick::{Coding, Samples, Unencodable, Worker};
+use super::brick::{Coding, Encoded, Samples, Unencodable, Worker};
 use super::choice::{Candidates, Transform};
 use super::grid::per_axis;
 use super::survey::Survey;
@@ -57,14 +57,40 @@ struct Piece {
     bytes: Vec<u8>,
 }
 
+/// A piece that was encoded as its brick would be, where it is one.
+#[derive(Debug)]
+pub(super) struct Tried {
+    sides: [u32; 3],
+    bytes: Vec<u8>,
+    encoded: Encoded,
+}
+
+impl Tried {
+    /// What a brick is encoded to, if it is that one.
+    pub(super) fn encoded(&self, samples: Samples<'_>) -> Option<Encoded> {
+        (samples.sides == self.sides && samples.bytes == self.bytes).then(|| self.encoded.clone())
+    }
+}
+
+/// What a coding makes of pieces.
+struct Cost {
+    bytes: u64,
+    /// Of the only piece, where it was encoded no other way than bricks are.
+    encoded: Option<Encoded>,
+}
+
 impl Trial<'_> {
     /// What makes a few pieces, spread over the volume, smallest: first of the forms that the samples have, then of
     /// the transforms. `default` and `dense` are tried as the effort below, unless samples may move, as a lattice is
     /// their rival, or there is a transform.
     ///
     /// Codes a 16th of the volume per form, a quarter where there are lattices, and a 32nd per wavelet, but of small
-    /// volumes more.
-    pub(super) fn best(&self, candidates: &Candidates, cut: Cut<'_>) -> Result<Coding, CompressError> {
+    /// volumes more. Where the only piece is the whole volume it need not be coded again.
+    pub(super) fn best(
+        &self,
+        candidates: &Candidates,
+        cut: Cut<'_>,
+    ) -> Result<(Coding, Option<Tried>), CompressError> {
         let transforms: Vec<Transform> = candidates.transforms().collect();
         let first = transforms.first().copied().unwrap_or(Transform::NONE);
         let forms: Vec<Coding> = self.forms(first).into_iter().map(|form| self.coding(first, form)).collect();
@@ -72,13 +98,13 @@ impl Trial<'_> {
         let share = if has_lattices { OF_LATTICES } else { OF_FORMS };
         // With one form there is nothing to be tried.
         let pieces = if forms.len() > 1 { self.pieces(share, cut)? } else { Vec::new() };
-        let best = self.smallest(forms, &pieces)?;
+        let (best, tried) = self.smallest(forms, pieces)?;
         if transforms.len() <= 1 {
-            return Ok(best);
+            return Ok((best, tried));
         }
         let pieces = self.pieces(OF_WAVELETS, cut)?;
         let codings = transforms.into_iter().map(|transform| self.coding(transform, best.form.clone()));
-        Ok(self.smallest(codings.collect(), &pieces)?)
+        Ok(self.smallest(codings.collect(), pieces)?)
     }
 
     /// The forms that the samples may be written in. Floats that may move and are narrow then need not be tried exactly:
@@ -118,37 +144,43 @@ impl Trial<'_> {
         Coding { effort: self.effort, transform, form, error: self.error }
     }
 
-    /// The coding that makes `pieces` smallest, the first of several.
-    fn smallest(&self, mut codings: Vec<Coding>, pieces: &[Piece]) -> Result<Coding, Unencodable> {
-        if codings.len() > 1 {
-            let costs = self.costs(&codings, pieces)?;
-            let best = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).map_or(0, |(best, _)| best);
-            codings.swap(0, best);
+    /// The coding that makes `pieces` smallest, the first of several, and what it makes of the only one.
+    fn smallest(
+        &self,
+        mut codings: Vec<Coding>,
+        mut pieces: Vec<Piece>,
+    ) -> Result<(Coding, Option<Tried>), Unencodable> {
+        if codings.len() <= 1 {
+            return Ok((codings.swap_remove(0), None));
         }
-        Ok(codings.swap_remove(0))
-    }
-
-    fn costs(&self, codings: &[Coding], pieces: &[Piece]) -> Result<Vec<u64>, Unencodable> {
-        let cost = |coding| self.pool.with_worker(|worker| self.cost(worker, coding, pieces));
-        self.pool.try_map(codings.iter().collect(), cost)
+        let cost = |coding| self.pool.with_worker(|worker| self.cost(worker, coding, &pieces));
+        let costs = self.pool.try_map(codings.iter().collect(), cost)?;
+        let (best, cost) =
+            costs.into_iter().enumerate().min_by_key(|(_, cost)| cost.bytes).expect("there are some");
+        let tried = cost.encoded.zip(pieces.pop());
+        let tried = tried.map(|(encoded, Piece { sides, bytes })| Tried { sides, bytes, encoded });
+        Ok((codings.swap_remove(best), tried))
     }
 
     /// Bytes of `pieces`, and the share that they have in what the index will say of values.
-    fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Piece]) -> Result<u64, Unencodable> {
+    fn cost(&self, worker: &mut Worker, coding: &Coding, pieces: &[Piece]) -> Result<Cost, Unencodable> {
         let effort = match (coding.effort, coding.transform.wavelet) {
             (effort, _) if self.error > 0.0 => effort,
             (Effort::Dense, _) | (Effort::Default, Some(_)) => Effort::Default,
             (Effort::Default | Effort::Fast, _) => Effort::Fast,
             (Effort::Light, _) => Effort::Light,
         };
-        let tried = Coding { effort, ..coding.clone() };
-        let lengths = pieces.iter().map(|Piece { sides, bytes }| {
-            worker.encode(Samples { element: self.element, sides: *sides, bytes }, &tried)
-        });
-        let bytes = lengths.map(|piece| Ok(piece?.bytes.len() as u64)).sum::<Result<u64, _>>()?;
+        let cheaper = Coding { effort, ..coding.clone() };
+        let encode = |Piece { sides, bytes }: &Piece| {
+            worker.encode(Samples { element: self.element, sides: *sides, bytes }, &cheaper)
+        };
+        let mut encoded = pieces.iter().map(encode).collect::<Result<Vec<Encoded>, _>>()?;
+        let bytes: u64 = encoded.iter().map(|encoded| encoded.bytes.len() as u64).sum();
         let tried: u64 = pieces.iter().map(|piece| (piece.bytes.len() / self.element.bytes()) as u64).sum();
         let values = coding.form.values().map_or(0, |values| BYTES_PER_VALUE * values.count() as u64);
-        Ok(bytes + (u128::from(values) * u128::from(tried) / u128::from(self.samples())) as u64)
+        let of_index = (u128::from(values) * u128::from(tried) / u128::from(self.samples())) as u64;
+        let is_whole = effort == coding.effort && tried == self.samples();
+        Ok(Cost { bytes: bytes + of_index, encoded: encoded.pop().filter(|_| is_whole && pieces.len() == 1) })
     }
 
     /// Some boxes as of small bricks, spread over the volume: together a `share` of it.
@@ -184,5 +216,23 @@ impl Trial<'_> {
 
     fn samples(&self) -> u64 {
         self.grid.extent.into_iter().product()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_same_samples_need_not_be_coded_again() {
+        let encoded = Encoded { bytes: vec![7], ..Encoded::default() };
+        let tried = Tried { sides: [2, 1, 1], bytes: vec![1, 2], encoded };
+        let of = |sides, bytes| {
+            let samples = Samples { element: ElementType::U8, sides, bytes };
+            tried.encoded(samples).map(|encoded| encoded.bytes)
+        };
+        assert_eq!(of([2, 1, 1], &[1, 2]), Some(vec![7]));
+        assert_eq!(of([2, 1, 1], &[1, 3]), None);
+        assert_eq!(of([1, 2, 1], &[1, 2]), None);
     }
 }
