@@ -42,6 +42,8 @@ pub enum Kind {
     Tabled,
     /// Under tables, from many.
     Wide,
+    /// The same, by sets of weights for cells.
+    Celled,
     /// As they are.
     Stored,
     /// Row by row.
@@ -63,6 +65,7 @@ impl Kind {
             [b'w', b'L', 2, 2, ..] => Self::Lattice,
             [b'w', b'L', 2, 3, ..] => Self::Tabled,
             [b'w', b'L', 2, 4, ..] => Self::Wide,
+            [b'w', b'L', 2, 6, ..] => Self::Celled,
             [b'w', b'L', 2, 0x80, ..] => Self::Stored,
             _ => Self::None,
         }

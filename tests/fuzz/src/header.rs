@@ -58,7 +58,7 @@ fn same(
 
 /// Whether the storage field says that a codestream is tabled.
 fn is_tabled(bytes: &[u8]) -> bool {
-    matches!(bytes.get(3), Some(3 | 4))
+    matches!(bytes.get(3), Some(3 | 4 | 6))
 }
 
 /// Whether it says that it is light.

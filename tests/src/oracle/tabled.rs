@@ -1,7 +1,7 @@
 //! Tabled codestreams, written and read the plain way, from `kernel/docs/tabled.md` and `kernel/docs/codestream.md`
 //! alone: every neighbour is looked up anew, one token after the other.
 //!
-//! The encoder chooses nothing: the weights are given, and the frequencies too or counted.
+//! The encoder chooses nothing: scale, weights and labels are given, and the frequencies too or counted.
 
 mod bits;
 mod form;
@@ -120,21 +120,22 @@ pub fn decode(bytes: &[u8], form: Form, sample_type: SampleType) -> Result<Vec<i
 /// The samples less the lowest.
 fn decode_values(bytes: &[u8], form: Form) -> Result<Rows, Reject> {
     let (segment, model) = Segment::parse(bytes, form)?;
-    let ranks = decode_ranks(&segment, &model, form.extent)?;
+    let ranks = decode_ranks(&segment, &model, form)?;
     let mut samples = Rows::new(form.extent, Vec::new());
     for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
-        let p = prediction(&samples, (form.breadth, &model), segment.span, place);
+        let p = prediction(&samples, (form, &model), segment.span, place);
         samples.push(p + token::value_of_rank(rank.into()));
     }
     Ok(samples)
 }
 
-fn decode_ranks(segment: &Segment, model: &Model, extent: [usize; 3]) -> Result<Rows, Reject> {
+fn decode_ranks(segment: &Segment, model: &Model, form: Form) -> Result<Rows, Reject> {
     let mut numerals = Numerals::new(segment.states, &segment.words)?;
     let mut extra = BitReader::new(&segment.extra);
-    let mut ranks = Rows::new(extent, Vec::new());
-    for place in rows::places(extent) {
-        let table = &model.tables[class(&ranks, place)];
+    let mut ranks = Rows::new(form.extent, Vec::new());
+    let tables = model.effective_tables();
+    for place in rows::places(form.extent) {
+        let table = &tables[class(&ranks, (form, model), place)];
         let token = numerals.token(place[0] % 4, table)?;
         ranks.push(Token::read(token, &mut extra)?);
     }
@@ -149,15 +150,14 @@ pub fn bounds(samples: &[i32]) -> [i32; 2] {
     [*lowest, highest - lowest]
 }
 
-/// Weights, and frequencies from the counts of the tokens that these samples have.
-pub fn fit(samples: &[i32], form: Form, bounds: [i32; 2], weights: Vec<Vec<i64>>) -> Model {
-    let mut model = Model { weights, tables: vec![Vec::new(); CLASSES] };
+/// The model with frequencies from the counts of the tokens that these samples have.
+pub fn fit(samples: &[i32], form: Form, bounds: [i32; 2], mut model: Model) -> Model {
     let ranks = ranks(samples, form, bounds, &model);
     let mut counts = vec![vec![0; TOKENS]; CLASSES];
     for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
-        counts[class(&ranks, place)][Token::of(rank.into()).number] += 1;
+        counts[class(&ranks, (form, &model), place)][Token::of(rank.into()).number] += 1;
     }
-    model.tables = counts.iter().map(|counts| model::frequencies(counts)).collect();
+    model.tables = counts.iter().map(|counts| model::frequencies(counts, form.breadth)).collect();
     model
 }
 
@@ -165,22 +165,24 @@ pub fn fit(samples: &[i32], form: Form, bounds: [i32; 2], weights: Vec<Vec<i64>>
 /// has no frequency in its class.
 pub fn encode(samples: &[i32], form: Form, bounds: [i32; 2], model: &Model) -> Segment {
     let ranks = ranks(samples, form, bounds, model);
+    let tables = model.effective_tables();
     let (mut extra, mut symbols) = (BitWriter::default(), Vec::new());
     for (place, &rank) in rows::places(form.extent).zip(ranks.values()) {
         let token = Token::of(rank.into());
         extra.bits(token.extra_bits, token.extra);
-        symbols.push(Symbol::new(place[0] % 4, &model.tables[class(&ranks, place)], token.number));
+        let table = &tables[class(&ranks, (form, model), place)];
+        symbols.push(Symbol::new(place[0] % 4, table, token.number));
     }
     let (states, words) = numerals::encode(&symbols);
     let [lowest, span] = bounds;
-    Segment { lowest, span, extra: extra.bytes, model: model.write().bytes, states, words }
+    Segment { lowest, span, extra: extra.bytes, model: model.write(form).bytes, states, words }
 }
 
 fn ranks(samples: &[i32], form: Form, [lowest, span]: [i32; 2], model: &Model) -> Rows {
     let samples = Rows::new(form.extent, samples.iter().map(|v| v.wrapping_sub(lowest)).collect());
     let mut ranks = Rows::new(form.extent, Vec::new());
     for (place, &v) in rows::places(form.extent).zip(samples.values()) {
-        let p = prediction(&samples, (form.breadth, model), span, place);
+        let p = prediction(&samples, (form, model), span, place);
         ranks.push(token::rank_of_value(i64::from(v) - p));
     }
     ranks

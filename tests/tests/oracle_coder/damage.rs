@@ -23,7 +23,7 @@ fn every_byte_of_a_header_takes_every_value() {
                 let mut damaged = sound.clone();
                 damaged[at] = value;
                 // Dense and tabled codestreams and lattices have pages, and tests, of their own.
-                if matches!(damaged[3], 1..=4) {
+                if matches!(damaged[3], 1..=4 | 6) {
                     continue;
                 }
                 let oracle = Header::parse(&damaged).map(|header| header.total_bytes() as u64);

@@ -41,7 +41,7 @@ fn magic_and_version() {
 
 #[test]
 fn reserved_values() {
-    for storage in (6..=255).filter(|&storage| storage != 0x80) {
+    for storage in (7..=255).filter(|&storage| storage != 0x80) {
         assert_eq!(both_decode(&[0x77, 0x4C, 2, storage], 0), Err(Reject::Reserved), "storage {storage:02X}");
     }
     for kind in (0..=255).filter(|kind| kind & 0x0F > 5 || kind >> 4 > 6) {

@@ -1,16 +1,18 @@
 //! What one writes, the other reads.
 
+use std::collections::BTreeMap;
+
 use conformance::effort::Effort;
 use conformance::inputs::Input;
 use conformance::lent::encode;
 use conformance::oracle::coder::SampleType;
 use conformance::oracle::noise::Noise;
-use conformance::oracle::tabled::{self, Breadth, Form, fit};
+use conformance::oracle::tabled::{self, Breadth, CLASSES, Form, Model, Segment, bounds, fit};
 use conformance::reference::sides;
 use conformance::vectors::Manifest;
 use wavelift_kernel::{Codec, Extent, Header, Plan, Wavelet};
 
-use crate::{BREADTHS, both, oracle, random_weights, written};
+use crate::{both, oracle, random_model, written};
 
 /// Of 2^14 samples or more, of which the kernel writes a table.
 const EXTENTS: [[u32; 3]; 17] = [
@@ -38,7 +40,7 @@ fn inputs(breadth: Breadth) -> Vec<(Input, SampleType)> {
     let waves = |amplitude, offset| Input::Waves { periods: [230, 170, 130], amplitude, offset };
     let [low, high, bits] = match breadth {
         Breadth::Narrow => [260_000, 200_000, 19],
-        Breadth::Wide => [32_000, 27_000, 16],
+        Breadth::Wide | Breadth::Celled => [32_000, 27_000, 16],
     };
     vec![
         (waves(100, 128), SampleType::U8),
@@ -70,7 +72,7 @@ fn segment_of(bytes: &[u8]) -> &[u8] {
 #[test]
 fn what_the_kernel_writes_is_read() {
     let mut codec = Codec::NEW;
-    for (breadth, effort) in BREADTHS.into_iter().zip([Effort::Tabled, Effort::Wide]) {
+    for (breadth, effort) in [(Breadth::Narrow, Effort::Tabled), (Breadth::Celled, Effort::Wide)] {
         for axes in EXTENTS {
             for (input, sample_type) in inputs(breadth) {
                 let extent = Extent::new(axes).expect("an extent");
@@ -85,6 +87,86 @@ fn what_the_kernel_writes_is_read() {
     }
 }
 
+/// Which is as large as those of the encoders of before.
+#[test]
+fn what_encoders_of_today_no_longer_write_is_read() {
+    let (mut noise, breadth) = (Noise::new(7), Breadth::Wide);
+    for (axes, (input, sample_type)) in EXTENTS.into_iter().zip(inputs(breadth).into_iter().cycle()) {
+        let samples = input.generate(Extent::new(axes).expect("an extent")).expect("a generator");
+        let form = Form { breadth, extent: axes.map(|n| n as usize) };
+        let segment = written(&samples, form, random_model(form, &mut noise));
+        assert!(both(&segment, form, sample_type) == Ok(samples), "{form:?} {input:?}");
+    }
+}
+
+/// Samples of a slice of 512 columns and rows: its left half goes on down its columns, its right half along its rows.
+fn two_textures() -> Vec<i32> {
+    let mut noise = Noise::new(8);
+    let mut samples: Vec<i32> = Vec::new();
+    for (at, step) in noise.within(50, 512 * 512).into_iter().enumerate() {
+        let (x, y) = (at % 512, at / 512);
+        let back = if x < 256 { y.min(1) * 512 } else { x.min(1) };
+        samples.push(if back > 0 { samples[at - back] + step } else { step });
+    }
+    samples
+}
+
+/// One set where all cells are alike, and several where they differ.
+#[test]
+fn sets_for_cells_of_the_kernel_are_read() {
+    let extent = Extent::slice(512, 512).expect("an extent");
+    let plan = Plan::new(Wavelet::Haar, extent, 0).expect("a plan");
+    let form = Form { breadth: Breadth::Celled, extent: sides(extent) };
+    let steps = Input::Steps { width: 9, height: 1, offset: -900 }.generate(extent).expect("a generator");
+    let sets = [steps, two_textures()].map(|samples| {
+        let sample_type = SampleType::I16;
+        let bytes = encode(&mut { Codec::NEW }, Effort::Wide, &plan, kernel_type(sample_type), &samples);
+        let (_, model) = Segment::parse(segment_of(&bytes), form).expect("a sound one");
+        let found = oracle(segment_of(&bytes), form, sample_type);
+        assert!(found == Ok(samples), "{} sets", model.weights.len());
+        model.weights.len()
+    });
+    assert!(sets[0] == 1 && sets[1] > 1, "{sets:?}");
+}
+
+/// Borders of cells, as many as there may be, and more than that if they were not larger.
+#[test]
+fn sets_for_cells_are_read() {
+    let mut noise = Noise::new(9);
+    let few = [[31, 16], [32, 17], [33, 16], [65, 33], [100, 50]];
+    let many = [[65_536, 2], [65_537, 2], [1, 32_768], [1, 32_769], [512, 2_200]];
+    for [width, height] in few.repeat(8).into_iter().chain(many) {
+        let form = Form { breadth: Breadth::Celled, extent: [width, height, 1] };
+        let samples = noise.within(100, width * height);
+        let segment = written(&samples, form, random_model(form, &mut noise));
+        assert!(both(&segment, form, SampleType::I8) == Ok(samples), "{form:?}");
+    }
+}
+
+/// Frequencies of all sizes, which sum up to less and to more than they are brought to; of some the largest are many.
+#[test]
+fn any_tables_are_read() {
+    let mut noise = Noise::new(10);
+    let [mut below, mut above] = [0; 2];
+    for round in 0..500 {
+        let form = Form { breadth: Breadth::Celled, extent: [[17, 9, 1], [7, 6, 4]][round % 2] };
+        let samples = noise.within(30_000, form.extent.iter().product());
+        let mut model = random_model(form, &mut noise);
+        let sizes = 1 + round as u64 % 8;
+        let mut table =
+            || (0..42).map(|_| (1 + noise.bits() % 15) << (noise.bits() % sizes)).map(|f| f as i64).collect();
+        model.tables = (0..CLASSES).map(|_| table()).collect();
+        for table in &model.tables {
+            let sum = table.iter().sum::<i64>();
+            below += usize::from(sum < 4096);
+            above += usize::from(sum > 4096);
+        }
+        let segment = tabled::encode(&samples, form, bounds(&samples), &model).bytes();
+        assert!(both(&segment, form, SampleType::I16) == Ok(samples), "{form:?} {model:?}");
+    }
+    assert!(below > 1000 && above > 1000, "{below} below, {above} above");
+}
+
 #[test]
 fn what_the_oracle_writes_is_read() {
     let mut noise = Noise::new(1);
@@ -93,12 +175,12 @@ fn what_the_oracle_writes_is_read() {
     let widths = [1, 2, 3, 4, 5, 6, 7, 8, 17];
     let extents = rows.flat_map(|[height, depth]| widths.map(|width| [width, height, depth]));
     for axes in extents.collect::<Vec<_>>() {
-        for breadth in BREADTHS {
+        for breadth in Breadth::ALL {
             for (input, sample_type) in inputs(breadth) {
                 let extent = Extent::new(axes).expect("an extent");
                 let samples = input.generate(extent).expect("a generator");
                 let form = Form { breadth, extent: axes.map(|n| n as usize) };
-                let segment = written(&samples, form, random_weights(form, &mut noise));
+                let segment = written(&samples, form, random_model(form, &mut noise));
                 assert!(both(&segment, form, sample_type) == Ok(samples), "{form:?} {input:?}");
             }
         }
@@ -109,19 +191,19 @@ fn what_the_oracle_writes_is_read() {
 #[test]
 fn weights_at_their_limits_are_read() {
     let mut noise = Noise::new(2);
-    for breadth in BREADTHS {
+    for breadth in Breadth::ALL {
         let form = Form { breadth, extent: [13, 11, 7] };
         let samples = noise.within((breadth.span_limit() - 1) / 2, 13 * 11 * 7);
         // As many as add up to no more than they may, from each place on.
         for (weight, others) in [(2047, 0), (-2048, 0), (2047, 7), (-2048, 7)] {
-            let others = if breadth == Breadth::Wide { others } else { 0 };
+            let others = if breadth == Breadth::Narrow { 0 } else { others };
             for place in 0..43 {
                 let is_set = |i: usize, count: usize| (i + count - place % count) % count <= others;
                 let set = |count: usize| {
                     (0..count).map(|i| if is_set(i, count) { weight } else { 0 }).collect::<Vec<i64>>()
                 };
                 let weights = form.sets().into_iter().map(set).collect();
-                let segment = written(&samples, form, weights);
+                let segment = written(&samples, form, Model::new(weights));
                 let found = both(&segment, form, SampleType::I32);
                 assert!(found.as_ref() == Ok(&samples), "{breadth:?} {weight} {place}");
             }
@@ -129,18 +211,24 @@ fn weights_at_their_limits_are_read() {
     }
 }
 
-/// Samples far beyond the span, which alone differ as much: sums leave 32 bits.
+/// Samples far beyond the span, which alone differ as much: sums of predictions leave 32 bits, and energies 24.
 #[test]
 fn sums_that_wrap_are_read() {
-    let form = Form { breadth: Breadth::Wide, extent: [9, 8, 6] };
     let mut noise = Noise::new(6);
     let alternating = |i: usize| if i.is_multiple_of(2) { 2047 } else { -2047 };
     let set = |count: usize| (0..count).map(|i| if i < 8 { alternating(i) } else { 0 }).collect();
-    for _ in 0..100 {
+    let forms = [Breadth::Wide, Breadth::Celled]
+        .map(|breadth| [[9, 8, 6], [9, 48, 1]].map(|extent| Form { breadth, extent }))
+        .concat();
+    for form in forms.repeat(34) {
         let samples: Vec<i32> = (0..9 * 8 * 6).map(|_| (noise.bits() % 2 * 900_000) as i32).collect();
         for span in [1, 65_535] {
             let bounds = [458_000, span];
-            let model = fit(&samples, form, bounds, form.sets().into_iter().map(set).collect());
+            let mut model = Model::new(form.sets().into_iter().map(set).collect());
+            if form.breadth == Breadth::Celled {
+                model.scale = (noise.bits() % 17) as u32;
+            }
+            let model = fit(&samples, form, bounds, model);
             let segment = tabled::encode(&samples, form, bounds, &model).bytes();
             assert_eq!(both(&segment, form, SampleType::I32).as_ref(), Ok(&samples), "{span}");
         }
@@ -154,7 +242,7 @@ fn a_class_without_tokens_has_the_first() {
     // One step in each row, the same but for the last.
     let samples: Vec<i32> = (0..72).map(|i| if i % 9 > 4 || i == 70 { 40 } else { 0 }).collect();
     let weights = vec![vec![0, 0, 0, 256, 0, 0]];
-    let mut model = fit(&samples, form, [0, 40], weights);
+    let mut model = fit(&samples, form, [0, 40], Model::new(weights));
     let full = model.clone();
     model.tables.iter_mut().filter(|table| **table == [4096]).for_each(Vec::clear);
     assert_ne!(model, full, "no class has one token only");
@@ -167,7 +255,7 @@ fn a_class_without_tokens_has_the_first() {
 #[test]
 fn golden_vectors_are_those_of_the_oracle() {
     let manifest = Manifest::read().expect("the manifest");
-    let mut tabled = [0; 2];
+    let mut tabled = BTreeMap::new();
     for vector in &manifest.vectors {
         let bytes = vector.read().expect("its file");
         if let Some(breadth) = bytes.get(3).and_then(|&storage| Breadth::of_storage(storage))
@@ -177,9 +265,12 @@ fn golden_vectors_are_those_of_the_oracle() {
             let sample_type = SampleType::ALL[index.expect("all are listed")];
             let form = Form { breadth, extent: sides(header.plan().extent()) };
             let found = both(segment_of(&bytes), form, sample_type);
+            *tabled.entry(breadth.storage()).or_insert(0) += usize::from(found.is_ok());
             assert!(vector.input.is_none() || found.ok() == manifest.samples(vector).ok(), "{}", vector.id);
-            tabled[usize::from(breadth == Breadth::Wide)] += 1;
         }
     }
-    assert!(tabled.iter().all(|&count| count > 0), "narrow and wide: {tabled:?}");
+    assert!(
+        [3, 6].iter().all(|storage| tabled.get(storage).is_some_and(|&read| read > 0)),
+        "narrow and celled: {tabled:?}"
+    );
 }

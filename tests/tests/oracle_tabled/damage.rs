@@ -4,10 +4,10 @@ use conformance::corrupt::Damage;
 use conformance::inputs::Input;
 use conformance::oracle::coder::SampleType;
 use conformance::oracle::noise::Noise;
-use conformance::oracle::tabled::Form;
+use conformance::oracle::tabled::{Breadth, Form};
 use wavelift_kernel::Extent;
 
-use crate::{BREADTHS, both, random_weights, written};
+use crate::{both, random_model, written};
 
 const EXTENTS: [[u32; 3]; 5] = [[9, 7, 1], [1, 40, 1], [7, 1, 9], [5, 6, 4], [1, 5, 9]];
 
@@ -15,7 +15,7 @@ const EXTENTS: [[u32; 3]; 5] = [[9, 7, 1], [1, 40, 1], [7, 1, 9], [5, 6, 4], [1,
 fn segments() -> Vec<(Vec<u8>, Form, SampleType)> {
     let mut noise = Noise::new(3);
     let mut segments = Vec::new();
-    for (breadth, axes) in BREADTHS.into_iter().flat_map(|breadth| EXTENTS.map(|axes| (breadth, axes))) {
+    for (breadth, axes) in Breadth::ALL.into_iter().flat_map(|breadth| EXTENTS.map(|axes| (breadth, axes))) {
         for (bits, sample_type) in
             [(3, SampleType::U8), (8, SampleType::U8), (13, SampleType::I16), (19, SampleType::I32)]
         {
@@ -23,7 +23,7 @@ fn segments() -> Vec<(Vec<u8>, Form, SampleType)> {
             let input = Input::Noise { bits, offset: 0, seed: noise.bits() };
             let samples = input.generate(Extent::new(axes).expect("an extent")).expect("a generator");
             let form = Form { breadth, extent: axes.map(|n| n as usize) };
-            let segment = written(&samples, form, random_weights(form, &mut noise));
+            let segment = written(&samples, form, random_model(form, &mut noise));
             segments.push((segment, form, sample_type));
         }
     }

@@ -7,10 +7,8 @@ mod rejects;
 use conformance::lent::decode_any;
 use conformance::oracle::coder::{Reject, SampleType};
 use conformance::oracle::noise::Noise;
-use conformance::oracle::tabled::{self, Breadth, Form, bounds, codestream, constant, fit};
+use conformance::oracle::tabled::{self, Breadth, Form, Model, bounds, codestream, constant, fit};
 use wavelift_kernel::{DecodeError, Header, Malformed};
-
-const BREADTHS: [Breadth; 2] = [Breadth::Narrow, Breadth::Wide];
 
 /// What the kernel makes of a segment.
 fn kernel(segment: &[u8], form: Form, sample_type: SampleType) -> Result<Vec<i32>, DecodeError> {
@@ -34,21 +32,29 @@ fn both(segment: &[u8], form: Form, sample_type: SampleType) -> Result<Vec<i32>,
     found
 }
 
-/// Weights of every kind at once, drawn at random.
-fn random_weights(form: Form, noise: &mut Noise) -> Vec<Vec<i64>> {
+/// Weights of every kind at once, drawn at random; if celled the scale, and in a slice several sets for its cells too.
+fn random_model(form: Form, noise: &mut Noise) -> Model {
+    let count = if form.has_cells() { 1 + noise.bits() as usize % 8 } else { 1 };
     let set = |count: usize| {
         let limit = (form.breadth.largest_sum() as i32 / count as i32).min(2047);
         noise.within(limit, count).into_iter().map(i64::from).collect()
     };
-    form.sets().into_iter().map(set).collect()
+    let mut model = Model::new(form.sets().repeat(count).into_iter().map(set).collect());
+    if form.breadth == Breadth::Celled {
+        model.scale = (noise.bits() % 17) as u32;
+    }
+    if count > 1 {
+        model.labels = (0..form.cells()).map(|_| noise.bits() as usize % count).collect();
+    }
+    model
 }
 
-/// The segment that the oracle writes of samples under these weights.
-fn written(samples: &[i32], form: Form, weights: Vec<Vec<i64>>) -> Vec<u8> {
+/// The segment that the oracle writes of samples under a model that gets its tables from them.
+fn written(samples: &[i32], form: Form, model: Model) -> Vec<u8> {
     let bounds = bounds(samples);
     if bounds[1] == 0 {
         return constant(bounds[0], 0);
     }
-    let model = fit(samples, form, bounds, weights);
+    let model = fit(samples, form, bounds, model);
     tabled::encode(samples, form, bounds, &model).bytes()
 }

@@ -4,11 +4,18 @@ use conformance::oracle::coder::SampleType;
 use conformance::oracle::tabled::{self, Breadth, CLASSES, Form, Model, Segment, constant, fit};
 use wavelift_kernel::{DecodeError, Malformed};
 
-use crate::{BREADTHS, both};
+use crate::both;
 
 const NARROW: Form = Form { breadth: Breadth::Narrow, extent: [5, 3, 2] };
 
 const WIDE: Form = Form { breadth: Breadth::Wide, ..NARROW };
+
+const CELLED: Form = Form { breadth: Breadth::Celled, ..NARROW };
+
+/// Of a single cell.
+const SLICE: Form = Form { extent: [5, 6, 1], ..CELLED };
+
+const FORMS: [Form; 4] = [NARROW, WIDE, CELLED, SLICE];
 
 /// Small and large residuals: extra bits, and several classes.
 fn samples() -> Vec<i32> {
@@ -26,7 +33,12 @@ fn weights(form: Form) -> Vec<Vec<i64>> {
 }
 
 fn sound_of(form: Form) -> (Segment, Model) {
-    let model = fit(&samples(), form, BOUNDS, weights(form));
+    sound_under(form, Model::new(weights(form)))
+}
+
+/// The same under this model, which gets tables.
+fn sound_under(form: Form, model: Model) -> (Segment, Model) {
+    let model = fit(&samples(), form, BOUNDS, model);
     (tabled::encode(&samples(), form, BOUNDS, &model), model)
 }
 
@@ -56,7 +68,7 @@ fn with_model(model: Vec<u8>) -> Segment {
 
 #[test]
 fn the_sound_one_is_read() {
-    for form in [NARROW, WIDE] {
+    for form in FORMS {
         let (segment, _) = sound_of(form);
         assert!(!segment.extra.is_empty() && !segment.words.is_empty());
         assert_eq!(both(&segment.bytes(), form, SampleType::U8), Ok(samples()));
@@ -65,7 +77,7 @@ fn the_sound_one_is_read() {
 
 #[test]
 fn spans() {
-    for form in [NARROW, WIDE] {
+    for form in FORMS {
         let (segment, _) = sound_of(form);
         let limit = form.breadth.span_limit();
         for span in [-1, i32::MIN, limit, i32::MAX] {
@@ -83,10 +95,10 @@ fn spans() {
 
 #[test]
 fn one_row() {
-    for (breadth, width) in BREADTHS.into_iter().flat_map(|breadth| [(breadth, 30), (breadth, 1)]) {
+    for (breadth, width) in Breadth::ALL.into_iter().flat_map(|breadth| [(breadth, 30), (breadth, 1)]) {
         let form = Form { breadth, extent: [width, 1, 1] };
         assert_eq!(both(&constant(-9, 0), form, SampleType::I8), Ok(vec![-9; width]));
-        let model = fit(&samples()[..width], form, BOUNDS, weights(form));
+        let model = fit(&samples()[..width], form, BOUNDS, Model::new(weights(form)));
         let segment = tabled::encode(&samples()[..width], form, BOUNDS, &model);
         refused(&segment.bytes(), form, SampleType::U8, Malformed::Segment);
     }
@@ -100,15 +112,14 @@ fn too_large_weights() {
         for set in &mut weights {
             (set[0], set[3]) = (1024, 1024 - sum);
         }
-        let model = fit(&samples(), NARROW, BOUNDS, weights.clone());
-        tabled::encode(&samples(), NARROW, BOUNDS, &model)
+        sound_under(NARROW, Model::new(weights)).0
     };
     assert_eq!(both(&limit(2048).bytes(), NARROW, SampleType::U8), Ok(samples()));
     wrong(&limit(2049));
     // The second set alone.
     let (segment, mut model) = sound();
     model.weights[1][5] = -1793;
-    wrong(&Segment { model: model.write().bytes, ..segment });
+    wrong(&Segment { model: model.write(NARROW).bytes, ..segment });
 }
 
 #[test]
@@ -120,7 +131,7 @@ fn tables() {
         for class in [0, CLASSES - 1] {
             let mut model = model.clone();
             model.tables[class] = table.clone();
-            wrong(&with_model(model.write().bytes));
+            wrong(&with_model(model.write(NARROW).bytes));
         }
     }
 }
@@ -128,34 +139,90 @@ fn tables() {
 #[test]
 fn too_large_wide_weights() {
     // The set of which planes, and what its magnitudes add up to.
-    let with = |set: usize, sum: i64| {
-        let mut weights = weights(WIDE);
+    let with = |form: Form, set: usize, sum: i64| {
+        let mut weights = weights(form);
         weights[set][..8].fill(-2047);
         weights[set][9] = sum - 8 * 2047;
-        let model = fit(&samples(), WIDE, BOUNDS, weights);
-        tabled::encode(&samples(), WIDE, BOUNDS, &model)
+        sound_under(form, Model::new(weights)).0
     };
-    for set in 0..2 {
-        assert_eq!(both(&with(set, 16_384).bytes(), WIDE, SampleType::U8), Ok(samples()));
-        wrong_of(WIDE, &with(set, 16_385));
+    for (form, set) in [(WIDE, 0), (WIDE, 1), (CELLED, 0), (CELLED, 1), (SLICE, 0)] {
+        assert_eq!(both(&with(form, set, 16_384).bytes(), form, SampleType::U8), Ok(samples()));
+        wrong_of(form, &with(form, set, 16_385));
+    }
+}
+
+#[test]
+fn scales() {
+    let with = |scale| sound_under(CELLED, Model { scale, ..Model::new(weights(CELLED)) }).0;
+    for scale in 0..=16 {
+        assert_eq!(both(&with(scale).bytes(), CELLED, SampleType::U8), Ok(samples()), "{scale}");
+    }
+    for scale in 17..32 {
+        wrong_of(CELLED, &with(scale));
+    }
+}
+
+#[test]
+fn labels() {
+    let with = |sets: usize| {
+        let [set] = &weights(SLICE)[..] else { panic!("a slice has one kind") };
+        let model = Model { labels: vec![0], ..Model::new(vec![set.clone(); sets]) };
+        sound_under(SLICE, model)
+    };
+    for sets in 2..=8_usize {
+        let (segment, mut model) = with(sets);
+        for label in 0..sets.next_power_of_two() {
+            model.labels = vec![label];
+            let segment = Segment { model: model.write(SLICE).bytes, ..segment.clone() };
+            // All sets are alike.
+            match label < sets {
+                true => assert_eq!(both(&segment.bytes(), SLICE, SampleType::U8), Ok(samples())),
+                false => wrong_of(SLICE, &segment),
+            }
+        }
+        // The last set alone.
+        model.labels = vec![0];
+        model.weights[sets - 1][..9].fill(2047);
+        wrong_of(SLICE, &Segment { model: model.write(SLICE).bytes, ..segment });
+    }
+}
+
+#[test]
+fn celled_tables() {
+    // The largest sum that there may be, and one more.
+    let table = |last| [&[7680; 8][..], &[3840, 240], &[1; 14], &[last]].concat();
+    for form in [CELLED, SLICE] {
+        let (segment, model) = sound_of(form);
+        let sound = Model { tables: vec![table(1); CLASSES], ..model.clone() };
+        let sound = tabled::encode(&samples(), form, BOUNDS, &sound);
+        assert_eq!(both(&sound.bytes(), form, SampleType::U8), Ok(samples()));
+        for table in [table(2), vec![1; 43], vec![4096, 0], vec![0], vec![8192]] {
+            for class in [0, CLASSES - 1] {
+                let mut model = model.clone();
+                model.tables[class] = table.clone();
+                wrong_of(form, &Segment { model: model.write(form).bytes, ..segment.clone() });
+            }
+        }
     }
 }
 
 /// What the one storage holds is not what the other does.
 #[test]
 fn another_storage() {
-    for (form, other) in [(NARROW, WIDE), (WIDE, NARROW)] {
+    let all = [NARROW, WIDE, CELLED];
+    let pairs = all.into_iter().flat_map(|form| all.map(|other| (form, other)));
+    for (form, other) in pairs.filter(|(form, other)| form != other) {
         wrong_of(other, &sound_of(form).0);
     }
 }
 
 /// A table whose bits are given, after weights, for class 0.
 fn with_ones(ones: usize, then: i64) -> Segment {
-    let mut bits = Model { weights: weights(NARROW), tables: Vec::new() }.write();
+    let mut bits = Model::new(weights(NARROW)).write(NARROW);
     bits.bits(6, 1);
     (0..ones).for_each(|_| bits.bits(1, 1));
     bits.bits(1, then);
-    let rest = Model { weights: Vec::new(), tables: vec![Vec::new(); CLASSES] }.write();
+    let rest = Model { tables: vec![Vec::new(); CLASSES], ..Model::new(Vec::new()) }.write(NARROW);
     bits.bytes.extend(rest.bytes);
     with_model(bits.bytes)
 }
@@ -171,7 +238,7 @@ fn sizes() {
 #[test]
 fn unused_bits() {
     let (segment, model) = sound();
-    let mut bits = model.write();
+    let mut bits = model.write(NARROW);
     let mut filled = 0;
     while bits.bytes.len() == segment.model.len() {
         bits.bits(1, 0);
@@ -238,8 +305,8 @@ fn samples_outside_the_type() {
 #[test]
 fn samples_outside_the_span() {
     for bounds in [[0, 1], [-40, 100], [100, 3]] {
-        for form in [NARROW, WIDE] {
-            let model = fit(&samples(), form, bounds, weights(form));
+        for form in FORMS {
+            let model = fit(&samples(), form, bounds, Model::new(weights(form)));
             let segment = tabled::encode(&samples(), form, bounds, &model);
             assert_eq!(both(&segment.bytes(), form, SampleType::U8), Ok(samples()), "{bounds:?}");
         }
@@ -253,7 +320,7 @@ fn tokens_of_an_empty_class() {
     for class in 0..CLASSES {
         if model.tables[class].len() > 1 {
             let used = std::mem::take(&mut model.tables[class]);
-            wrong(&Segment { model: model.write().bytes, ..segment.clone() });
+            wrong(&Segment { model: model.write(NARROW).bytes, ..segment.clone() });
             model.tables[class] = used;
         }
     }

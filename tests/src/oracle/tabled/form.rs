@@ -10,27 +10,33 @@ pub enum Breadth {
     Narrow,
     /// From as many as in the low-pass part of a codestream without levels.
     Wide,
+    /// From as many, under several sets of weights in a slice, with classes by more ranks.
+    Celled,
 }
 
 impl Breadth {
+    /// All there are.
+    pub const ALL: [Self; 3] = [Self::Narrow, Self::Wide, Self::Celled];
+
     /// The storage field that says so.
     pub const fn storage(self) -> u8 {
         match self {
             Self::Narrow => 3,
             Self::Wide => 4,
+            Self::Celled => 6,
         }
     }
 
     /// Of which storage.
     pub fn of_storage(storage: u8) -> Option<Self> {
-        [Self::Narrow, Self::Wide].into_iter().find(|breadth| breadth.storage() == storage)
+        Self::ALL.into_iter().find(|breadth| breadth.storage() == storage)
     }
 
     /// The smallest span that is too large.
     pub const fn span_limit(self) -> i32 {
         match self {
             Self::Narrow => 1 << 19,
-            Self::Wide => 1 << 16,
+            Self::Wide | Self::Celled => 1 << 16,
         }
     }
 
@@ -38,7 +44,7 @@ impl Breadth {
     pub const fn largest_sum(self) -> i64 {
         match self {
             Self::Narrow => 2048,
-            Self::Wide => 16384,
+            Self::Wide | Self::Celled => 16384,
         }
     }
 }
@@ -46,14 +52,14 @@ impl Breadth {
 /// The form of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Form {
-    /// Storage 3 or 4.
+    /// Storage 3, 4 or 6.
     pub breadth: Breadth,
     /// Samples along x, y, z.
     pub extent: [usize; 3],
 }
 
 impl Form {
-    /// The number of weights in each set.
+    /// The number of weights in each set, were there one set for all cells.
     pub fn sets(self) -> Vec<usize> {
         let [_, height, depth] = self.extent;
         match self.breadth {
@@ -62,8 +68,37 @@ impl Form {
                 let brick = if depth > 1 { Some(13) } else { None };
                 plane.into_iter().chain(brick).collect()
             }
-            Breadth::Wide => scene(&Array::zeros(self.extent)).sets(),
+            Breadth::Wide | Breadth::Celled => scene(&Array::zeros(self.extent)).sets(),
         }
+    }
+
+    /// Whether there may be a set of weights for each cell.
+    pub fn has_cells(self) -> bool {
+        self.breadth == Breadth::Celled && self.extent[2] == 1
+    }
+
+    /// The number of cells of a slice.
+    pub fn cells(self) -> usize {
+        self.cells_of(self.cell()).into_iter().product()
+    }
+
+    /// The cell at a column of a row, in rows from the first.
+    pub(super) fn cell_at(self, x: usize, y: usize) -> usize {
+        let [columns, rows] = self.cell();
+        y / rows * self.extent[0].div_ceil(columns) + x / columns
+    }
+
+    /// Columns and rows of a cell.
+    fn cell(self) -> [usize; 2] {
+        let mut cell = [32, 16];
+        while self.cells_of(cell).into_iter().product::<usize>() > 2048 {
+            cell = cell.map(|side| 2 * side);
+        }
+        cell
+    }
+
+    const fn cells_of(self, [columns, rows]: [usize; 2]) -> [usize; 2] {
+        [self.extent[0].div_ceil(columns), self.extent[1].div_ceil(rows)]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Four states that take turns, and the words they are filled up with.
 
-use super::model::{SUM, effective};
+use super::model::SUM;
 use crate::oracle::coder::Reject;
 
 /// What each state ends as; they never are below.
@@ -24,7 +24,7 @@ impl<'a> Numerals<'a> {
         let v = &mut self.states[turn];
         let point = *v % SUM;
         let mut start = 0;
-        for (token, &f) in effective(table).iter().enumerate() {
+        for (token, &f) in table.iter().enumerate() {
             if point < start + f {
                 *v = f * (*v / SUM) + point - start;
                 if *v < LEAST {
@@ -56,10 +56,9 @@ pub(super) struct Symbol {
 impl Symbol {
     /// A token under a table. Panics if it has no frequency.
     pub(super) fn new(turn: usize, table: &[i64], token: usize) -> Self {
-        let frequencies = effective(table);
-        let f = frequencies.get(token).copied().unwrap_or(0);
+        let f = table.get(token).copied().unwrap_or(0);
         assert!(f > 0, "token {token} has no frequency");
-        Self { turn, start: frequencies[..token].iter().sum(), f }
+        Self { turn, start: table[..token].iter().sum(), f }
     }
 }
 
