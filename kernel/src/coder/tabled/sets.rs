@@ -85,13 +85,15 @@ pub(super) fn learn(
 }
 
 impl Pupils<'_> {
-    /// Bits that so many sets have to save: half as many again as they and the labels of cells take.
+    /// Bits that so many sets have to save, in an estimate that is too good where cells are alike: half as many again as the
+    /// sets and the labels of cells take, and one for each 32 samples.
     fn cost(&self, sets: usize) -> u64 {
         let weights = self.subject.taps.weights().wrapping_mul(sets.wrapping_sub(1));
-        let [weights, cells] =
-            [weights, self.cells.len()].map(|count| u64::try_from(count).unwrap_or(u64::MAX));
-        let of_weights = weights.saturating_mul(CODED_BITS.into());
-        of_weights.saturating_add(cells.saturating_mul(sets.trailing_zeros().into())).saturating_mul(3) / 2
+        let counts = [weights, self.cells.len(), self.subject.coefficients.len()];
+        let [weights, cells, samples] = counts.map(|count| u64::try_from(count).unwrap_or(u64::MAX));
+        let of_labels = cells.saturating_mul(sets.trailing_zeros().into());
+        let coded = weights.saturating_mul(CODED_BITS.into()).saturating_add(of_labels);
+        (coded.saturating_mul(3) / 2).saturating_add(samples / 32)
     }
 
     /// The rows that are looked at in cells of a row of them.
