@@ -170,8 +170,8 @@ fn every_vector_with_a_recipe_is_encoded_to_its_bytes() {
 fn by_storage(bytes: &[u8]) -> Option<Effort> {
     match bytes[3] {
         3 => Some(Effort::Tabled),
-        4 => Some(Effort::Wide),
         5 => Some(Effort::Light),
+        6 => Some(Effort::Wide),
         _ => None,
     }
 }
