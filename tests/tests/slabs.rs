@@ -60,6 +60,17 @@ fn slabs_are_codestreams() {
     assert_eq!(rest, [0]);
 }
 
+/// In the upper half there is nothing, in the lower every slice is the same noise: in 16,384 bytes, if it is found out.
+#[test]
+fn slabs_are_predicted_as_suits_all_of_their_rows() {
+    let (plan, mut noise) = (plan_of([128, 64, 32], 0), Noise::new(4));
+    let slice: Vec<i32> =
+        (0..128 * 64).map(|i| if i < 128 * 32 { 0 } else { noise.bits() as i8 as i32 }).collect();
+    let samples = slice.repeat(32);
+    let stream = encode(&plan, None, &samples, 4096);
+    assert!(stream.len() < 16_384, "{}", stream.len());
+}
+
 /// A slab is decoded as whatever coder without memory of its own made it.
 #[test]
 fn slabs_may_be_light_or_tabled_and_not_dense() {
