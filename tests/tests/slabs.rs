@@ -92,7 +92,7 @@ fn slabs_may_be_light_or_tabled_and_not_dense() {
     for effort in [Effort::Light, Effort::Tabled, Effort::Wide, Effort::Fast, Effort::Default] {
         assert!(decode(&stream_of(effort), 999) == (samples.clone(), Ok(0)), "{effort:?}");
     }
-    assert_eq!(decode(&stream_of(Effort::Dense), 999), (vec![], Err(DecodeError::NeedsDense)));
+    assert_eq!(decode(&stream_of(Effort::Dense), 999), (vec![], Err(Malformed::Slab.into())));
 }
 
 #[test]

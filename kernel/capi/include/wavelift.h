@@ -43,6 +43,7 @@ enum {
     WAVELIFT_MALFORMED_STORED_LENGTH = 14, /* stored samples of another length than the extent's */
     WAVELIFT_MALFORMED_SEGMENT = 15,       /* a segment that no encoder writes */
     WAVELIFT_MALFORMED_SAMPLE = 16,        /* a sample outside the declared type */
+    WAVELIFT_MALFORMED_SLAB = 17,          /* a slab that is not as its stream says, or is dense or near-lossless */
     WAVELIFT_MALFORMED = 99,               /* a fault of the data that has no code in this header */
 
     WAVELIFT_NULL_POINTER = 100,           /* a pointer is NULL that must not be */
@@ -59,11 +60,12 @@ enum {
     WAVELIFT_SAMPLE_OUT_OF_RANGE = 111,    /* a sample is outside its type */
     WAVELIFT_OUTPUT_FULL = 112,            /* the codestream does not fit the output */
     WAVELIFT_LEVEL_OUT_OF_RANGE = 113,     /* the codestream holds fewer levels */
-    WAVELIFT_OTHER_CODEC = 114,            /* a near-lossless codestream, or none where one must be */
+    WAVELIFT_OTHER_CODEC = 114,            /* a near-lossless codestream, or none where one must be; rows for slabs */
     WAVELIFT_NEEDS_DENSE = 115,            /* a dense codestream: wavelift_decode_dense */
     WAVELIFT_NOT_BEGUN = 116,              /* nothing has begun in this memory */
     WAVELIFT_UNFINISHED_ROW = 117,         /* the last row lacks samples */
     WAVELIFT_NOT_BUILT = 118,              /* the library was built without what this takes */
+    WAVELIFT_BYTES_TOO_SHORT = 119,        /* the bytes lent for a slab are too few */
     WAVELIFT_REFUSED = 199                 /* a fault of the call that has no code in this header */
 };
 

@@ -206,6 +206,32 @@ fn slabs_come_back_in_pieces() {
 }
 
 #[test]
+fn dense_slabs_are_told_as_such() {
+    let plan = WaveliftPlan { extent: [4, 4, 1], wavelet: 0, levels: 0, sample_type: 0 };
+    let (mut codec, mut decoder) = (memory::<WaveliftCodec>(), memory::<WaveliftSlabDecoder>());
+    let (codec, decoder) = (codec.as_mut_ptr(), decoder.as_mut_ptr());
+    let (mut slab, mut scratch, mut room) = ([0; 16], [0; 64], [0; 64]);
+    let (lent, room, len) = (lent(&mut slab, &mut scratch), room.as_mut_ptr(), room.len());
+    // The length of a slab, and the header of a dense codestream.
+    let (stream, mut samples) = ([10, b'w', b'L', 2, 1, 0, 0, 4, 4, 1, 0], [0; 16]);
+    let mut step = MaybeUninit::<WaveliftStep>::uninit();
+    unsafe {
+        assert_eq!(
+            wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, room, 8),
+            WaveliftError::BytesTooShort
+        );
+        assert_eq!(wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, room, len), WaveliftError::Ok);
+        let mut decode = |bytes: &[u8]| {
+            let (from, count) = (bytes.as_ptr(), bytes.len());
+            wavelift_slab_decoder_step(decoder, from, count, samples.as_mut_ptr(), 16, step.as_mut_ptr())
+        };
+        // All but the length is looked at once it is there.
+        assert_eq!(decode(&stream[..5]), WaveliftError::Ok);
+        assert_eq!(decode(&stream[5..]), WaveliftError::MalformedSlab);
+    }
+}
+
+#[test]
 fn what_is_not_begun_null_or_lent_twice_is_refused() {
     let mut encoder = memory::<WaveliftRowEncoder>();
     let mut codec = memory::<WaveliftCodec>();

@@ -125,6 +125,6 @@ impl SlabPlan {
     fn accept(&self, header: &Header) -> Option<usize> {
         let [_, _, slices] = header.plan().extent().axes();
         let fits = self.plan_of(slices) == Some(header.plan()) && header.sample_type() == self.sample_type;
-        (fits && header.slack().is_none()).then(|| header.plan().extent().samples())
+        (fits && header.slack().is_none() && !header.is_dense()).then(|| header.plan().extent().samples())
     }
 }

@@ -28,7 +28,8 @@ pub fn check(bytes: &[u8]) {
 }
 
 fn arrive_as_rows(bytes: &[u8]) {
-    if RowPlan::parse(bytes).is_ok_and(|(plan, _)| plan.fast_decoder_memory_len() > MOST_MEMORY) {
+    let plan = RowPlan::parse(bytes).ok().map(|(plan, _)| plan);
+    if plan.is_some_and(|plan| plan.fast_decoder_memory_len() > MOST_MEMORY) {
         return;
     }
     let whole = decode(bytes, MOST_SAMPLES, Pieces::Whole);
@@ -44,9 +45,14 @@ fn arrive_as_rows(bytes: &[u8]) {
     let fast = decode_fast(bytes, MOST_SAMPLES, Pieces::Whole);
     if whole.0.len() <= MOST_SAMPLES && fast.0.len() <= MOST_SAMPLES {
         assert!(agree(&whole, &fast), "the least memory: {:?}, more: {:?}", whole.1, fast.1);
-        let oracle = rows::decode(bytes).ok().map(|(slice, rest)| (slice.samples, rest.len()));
-        let kernel = whole.1.ok().map(|left| (whole.0, left));
-        assert_eq!(kernel, oracle, "the kernel, and the oracle");
+        // The kernel stops at the first wrong sample, the oracle at the end of a strip.
+        let are_strips_short =
+            plan.is_none_or(|plan| plan.width() as usize * plan.strip() as usize <= MOST_MEMORY);
+        if whole.1.is_ok() || are_strips_short {
+            let oracle = rows::decode(bytes).ok().map(|(slice, rest)| (slice.samples, rest.len()));
+            let kernel = whole.1.ok().map(|left| (whole.0, left));
+            assert_eq!(kernel, oracle, "the kernel, and the oracle");
+        }
     }
 }
 

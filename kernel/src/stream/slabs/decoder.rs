@@ -5,7 +5,7 @@ use super::super::{Status, Step};
 use super::{SlabMemory, SlabPlan};
 use crate::extent::to_usize;
 use crate::memory::copy;
-use crate::{Codec, DecodeError, Header, LengthError, Malformed};
+use crate::{Codec, DecodeError, Feature, Header, LengthError, Malformed};
 
 /// Makes slices of a stream of slabs whose bytes arrive one after another.
 #[derive(Debug)]
@@ -115,9 +115,11 @@ impl<'a> SlabDecoder<'a> {
     fn decode(&mut self, length: usize) -> Result<(), DecodeError> {
         let SlabMemory { samples, scratch, bytes } = &mut self.memory;
         let bytes = bytes.get(..length).unwrap_or_default();
-        // A codestream that ends before its length says is not the end of the stream.
+        // A codestream that ends before its length says is not the end of the stream, and no build decodes dense slabs.
         let within = |error| match error {
-            DecodeError::Truncated | DecodeError::TrailingBytes => Malformed::Slab.into(),
+            DecodeError::Truncated
+            | DecodeError::TrailingBytes
+            | DecodeError::NotBuilt(Feature::Dense | Feature::Lattice) => Malformed::Slab.into(),
             error => error,
         };
         let header = Header::parse(bytes).map_err(within)?;
