@@ -1,7 +1,9 @@
 //! Calls of the kernel's streams of slabs, with input and output in pieces.
 
 use wavelift_kernel::stream::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan, Status};
-use wavelift_kernel::{Codec, DecodeError, LengthError, Slice, Training};
+use wavelift_kernel::{Codec, DecodeError, Effort as Lent, LengthError, Slice};
+
+use crate::effort::Effort;
 
 /// Samples of a slab for which memory is lent.
 const MOST_SAMPLES: usize = 1 << 16;
@@ -37,9 +39,13 @@ impl Memory {
 /// # Panics
 ///
 /// If the encoder says what it must not.
-pub fn encode(plan: &SlabPlan, training: Option<&mut Training>, samples: &[i32], piece: usize) -> Vec<u8> {
+pub fn encode(plan: &SlabPlan, effort: Effort, samples: &[i32], piece: usize) -> Vec<u8> {
+    effort.lend(|effort| encode_lent(plan, effort, samples, piece))
+}
+
+fn encode_lent(plan: &SlabPlan, effort: Lent<'_>, samples: &[i32], piece: usize) -> Vec<u8> {
     let (mut memory, mut codec) = (Memory::new(plan), Codec::NEW);
-    let mut encoder = SlabEncoder::new(plan, &mut codec, training, memory.lend()).expect("memory for it");
+    let mut encoder = SlabEncoder::new(plan, &mut codec, effort, memory.lend()).expect("memory for it");
     let (mut rest, mut stream, mut output) = (samples, Vec::new(), vec![0; piece]);
     loop {
         let input = &rest[..piece.min(rest.len())];

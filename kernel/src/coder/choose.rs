@@ -93,8 +93,8 @@ impl Choosing<'_> {
             let place = [row.checked_rem(height)?, row.checked_div(height)?];
             bits = bits.wrapping_add(self.cost_of_row(predictor, place)?);
         }
-        let [rows, compared] = [rows, compared].map(|rows| u64::try_from(rows).unwrap_or(0));
-        bits.wrapping_mul(rows).checked_div(compared)
+        let every = rows.div_ceil(compared.max(1));
+        Some(bits.wrapping_mul(u64::try_from(every).unwrap_or(1)))
     }
 
     fn cost_of_row(&mut self, predictor: &Predictor, [y, z]: [usize; 2]) -> Option<u64> {

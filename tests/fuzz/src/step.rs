@@ -2,12 +2,13 @@
 //! the bytes.
 
 use arbitrary::{Result, Unstructured};
+use conformance::effort::Effort;
 use conformance::oracle::coder::rows;
 use conformance::oracle::noise::Noise;
 use conformance::slabs;
 use conformance::streams::{Pieces, agree, decode, decode_fast, encode};
 use wavelift_kernel::stream::{RowPlan, SlabPlan};
-use wavelift_kernel::{Extent, SampleType, Training, Wavelet};
+use wavelift_kernel::{Extent, SampleType, Wavelet};
 
 /// Samples that are taken from a stream.
 const MOST_SAMPLES: usize = 1 << 12;
@@ -92,10 +93,9 @@ fn leave_as_slabs(data: &mut Unstructured<'_>) -> Result<()> {
     let levels = data.int_in_range(0..=extent.max_levels())?;
     let plan = SlabPlan::new(wavelet, extent, levels, sample_type).expect("a plan of slabs");
     let (slices, piece) = (data.int_in_range(0..=12)?, data.int_in_range(1..=80)?);
-    let is_trained: bool = data.arbitrary()?;
+    let effort = *data.choose(&Effort::ALL)?;
     let samples = crate::samples::fill(data, sample_type, (axes[0] * axes[1]) as usize * slices)?;
-    let mut training = Training::NEW;
-    let mut made = |piece| slabs::encode(&plan, is_trained.then_some(&mut training), &samples, piece);
+    let made = |piece| slabs::encode(&plan, effort, &samples, piece);
     let stream = made(MOST_MEMORY);
     assert_eq!(made(piece), stream, "pieces of {piece}");
     assert_eq!(slabs::decode(&stream, piece), (samples, Ok(0)), "there and back");

@@ -43,8 +43,10 @@ impl<'a> SlabDecoder<'a> {
     }
 
     /// Takes bytes of the stream from the beginning of `input`, and gives samples to the beginning of `output`, x
-    /// fastest, until one of them is used up, or nothing is left to do; as
-    /// [`RowDecoder::step`](crate::stream::RowDecoder::step).
+    /// fastest, until one of them is used up, or nothing is left to do.
+    ///
+    /// What it gives does not depend on how input and output are cut into pieces. Where [`Status::NeedInput`] meets the end
+    /// of the input, the stream is truncated; bytes after the stream are not taken.
     ///
     /// # Errors
     /// What is wrong with the stream, as soon as all samples before are given, and from then on always.
