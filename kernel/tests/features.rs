@@ -115,8 +115,27 @@ fn streams_of_other_builds() {
     }
 }
 
+/// Slabs are refused before the first slice comes.
+#[cfg(feature = "slabs")]
+#[test]
+fn slabs() {
+    use wavelift_kernel::stream::{SlabEncoder, SlabMemory, SlabPlan};
+    let plan = SlabPlan::new(Wavelet::Haar, extent(), 0, SampleType::U8).unwrap();
+    let (mut codec, mut samples) = (Codec::NEW, vec![0; plan.samples_len()]);
+    let (mut scratch, mut bytes) = (vec![0; plan.scratch_len()], vec![0; plan.bytes_len()]);
+    let mut begin = |effort: Effort<'_>| {
+        let memory = SlabMemory { samples: &mut samples, scratch: &mut scratch, bytes: &mut bytes };
+        SlabEncoder::new(&plan, &mut codec, effort, memory).map(|_| ())
+    };
+    assert_eq!(begin(Effort::Light), refused(Feature::Light));
+    assert_eq!(begin(Effort::Fast), refused(Feature::Adaptive));
+    let (mut training, mut dense) = (Box::new(Training::NEW), Box::new(Dense::NEW));
+    assert_eq!(begin(Effort::Default(&mut training)), refused(Feature::Trained));
+    assert_eq!(begin(Effort::Dense(&mut dense, &mut training)), refused(Feature::Trained), "none is dense");
+}
+
 /// No build decodes a dense slab, so that none sends the caller for another.
-#[cfg(feature = "stream")]
+#[cfg(feature = "slabs")]
 #[test]
 fn dense_slabs() {
     use wavelift_kernel::Malformed;
