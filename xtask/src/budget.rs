@@ -57,7 +57,7 @@ pub(crate) struct Run {
 #[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Stream {
-    /// Slabs, strips, which are slabs of rows, or rows.
+    /// `slabs`, `slabs_of_rows`, whose slices are rows, or `rows`.
     pub(crate) kind: String,
     pub(crate) effort: String,
     /// Instructions per sample.

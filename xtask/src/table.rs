@@ -47,7 +47,7 @@ const STREAMS_HEAD: &str = "\
 fn stream_row(run: &Run, stream: &Stream, measures: &device::StreamMeasures) -> String {
     format!(
         "| {}, {} | {} | {}, {} | {} | {} / {} | {} / {} |\n",
-        stream.kind,
+        stream.kind.replace('_', " "),
         stream.effort,
         run.profile,
         run.board,

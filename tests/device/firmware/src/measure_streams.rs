@@ -2,7 +2,7 @@
 
 #[cfg(feature = "streams")]
 use fixture::SLICE;
-use fixture::{Effort, SLABS, STRIPS, VOLUME, crc32, crc32_of_samples, fill_part};
+use fixture::{Effort, SLABS, SLABS_OF_ROWS, VOLUME, crc32, crc32_of_samples, fill_part};
 #[cfg(feature = "streams")]
 use wavelift_kernel::stream::{RowDecoder, RowEncoder, RowPlan};
 use wavelift_kernel::stream::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan, Status, Step};
@@ -17,8 +17,11 @@ const LEVELS: u8 = 3;
 
 /// Measures every stream that this build can make; whether all came back.
 pub(crate) fn run(meter: &Meter, parts: &mut Parts<'_>) -> bool {
-    let cases =
-        [("slabs", SLABS, Effort::Light), ("slabs", SLABS, Effort::Fast), ("strips", STRIPS, Effort::Light)];
+    let cases = [
+        ("slabs", SLABS, Effort::Light),
+        ("slabs", SLABS, Effort::Fast),
+        ("slabs_of_rows", SLABS_OF_ROWS, Effort::Light),
+    ];
     let mut passed = true;
     for case in cases {
         // What cannot be measured here has not failed.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use fixture::{SLABS, SLICE, STRIPS, VOLUME, crc32, fill_part};
+use fixture::{SLABS, SLABS_OF_ROWS, SLICE, VOLUME, crc32, fill_part};
 use wavelift_kernel::io::{SampleWriter, StreamEncoder};
 use wavelift_kernel::stream::{RowCodec, RowEncoder, RowPlan, SlabEncoder, SlabMemory, SlabPlan};
 use wavelift_kernel::{Codec, Effort, Extent, SampleType};
@@ -17,7 +17,7 @@ pub(crate) fn compare(log: &Log) -> Result<usize, String> {
         let (len, checksum) = (number(&record, "bytes")?, number(&record, "crc32")?);
         let stream = match record.get("kind").copied() {
             Some("slabs") => slabs(SLABS, &record)?,
-            Some("strips") => slabs(STRIPS, &record)?,
+            Some("slabs_of_rows") => slabs(SLABS_OF_ROWS, &record)?,
             Some("rows") => rows(&record)?,
             _ => return Err(format!("a stream of no kind: {record:?}")),
         };
