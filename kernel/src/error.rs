@@ -141,7 +141,8 @@ pub enum Malformed {
     Segment,
     /// A decoded sample lies outside the declared type.
     Sample,
-    /// A slab is longer than its samples need, is not one codestream, or is none of what the stream says it is made of.
+    /// A slab is longer than its samples need, is not one codestream, is dense or a lattice, or is none of what the stream
+    /// says it is made of.
     Slab,
 }
 

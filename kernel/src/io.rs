@@ -5,15 +5,17 @@
 
 use core::fmt;
 
-#[cfg(feature = "stream")]
+#[cfg(feature = "slabs")]
 mod stream;
 
 pub use embedded_io;
 use embedded_io::{Read, Write};
 
 #[cfg(feature = "stream")]
+pub use stream::read_row_plan;
+#[cfg(feature = "slabs")]
 pub use stream::{
-    SampleReader, SampleWriteError, SampleWriter, StreamDecoder, StreamEncoder, read_row_plan, read_slab_plan,
+    SampleReader, SampleWriteError, SampleWriter, StreamDecoder, StreamEncoder, read_slab_plan,
 };
 
 use crate::{DecodeError, Header};

@@ -46,7 +46,7 @@ mod packed;
 pub mod record;
 mod sample;
 pub mod stencil;
-#[cfg(feature = "stream")]
+#[cfg(feature = "slabs")]
 pub mod stream;
 #[cfg(test)]
 mod total;

@@ -115,6 +115,44 @@ fn streams_of_other_builds() {
     }
 }
 
+/// Slabs are refused before the first slice comes.
+#[cfg(feature = "slabs")]
+#[test]
+fn slabs() {
+    use wavelift_kernel::stream::{SlabEncoder, SlabMemory, SlabPlan};
+    let plan = SlabPlan::new(Wavelet::Haar, extent(), 0, SampleType::U8).unwrap();
+    let (mut codec, mut samples) = (Codec::NEW, vec![0; plan.samples_len()]);
+    let (mut scratch, mut bytes) = (vec![0; plan.scratch_len()], vec![0; plan.bytes_len()]);
+    let mut begin = |effort: Effort<'_>| {
+        let memory = SlabMemory { samples: &mut samples, scratch: &mut scratch, bytes: &mut bytes };
+        SlabEncoder::new(&plan, &mut codec, effort, memory).map(|_| ())
+    };
+    assert_eq!(begin(Effort::Light), refused(Feature::Light));
+    assert_eq!(begin(Effort::Fast), refused(Feature::Adaptive));
+    let (mut training, mut dense) = (Box::new(Training::NEW), Box::new(Dense::NEW));
+    assert_eq!(begin(Effort::Default(&mut training)), refused(Feature::Trained));
+    assert_eq!(begin(Effort::Dense(&mut dense, &mut training)), refused(Feature::Trained), "none is dense");
+}
+
+/// No build decodes a dense slab, so that none sends the caller for another.
+#[cfg(feature = "slabs")]
+#[test]
+fn dense_slabs() {
+    use wavelift_kernel::Malformed;
+    use wavelift_kernel::stream::{SlabDecoder, SlabMemory, SlabPlan};
+    // Lattices too, of one level.
+    for slab in [&[b'w', b'L', 2, 1, 0, 0, 4, 4, 1, 0][..], &[b'w', b'L', 2, 2, 0, 1, 4, 4, 1, 1, 0, 0, 0]] {
+        let plan = SlabPlan::new(Wavelet::Haar, Extent::slice(4, 4).unwrap(), 0, SampleType::U8).unwrap();
+        let (mut codec, mut samples) = (Codec::NEW, [0; 16]);
+        let (mut scratch, mut bytes) = (vec![0; plan.scratch_len()], vec![0; plan.bytes_len()]);
+        let memory = SlabMemory { samples: &mut samples, scratch: &mut scratch, bytes: &mut bytes };
+        let mut decoder = SlabDecoder::new(&plan, &mut codec, memory).unwrap();
+        let stream = [&[slab.len() as u8], slab].concat();
+        let taken = decoder.step(&stream, &mut [0; 16]).unwrap().consumed;
+        assert_eq!(decoder.step(&stream[taken..], &mut [0; 16]), Err(Malformed::Slab.into()));
+    }
+}
+
 fn refuses(parsed: Result<(), DecodeError>, feature: Feature) {
     let refusal = DecodeError::NotBuilt(feature);
     assert_eq!(parsed, if feature.is_built() { Ok(()) } else { Err(refusal) });

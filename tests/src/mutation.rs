@@ -8,6 +8,7 @@ use wavelift_kernel::stream::{RowPlan, SlabPlan};
 use wavelift_kernel::{Extent, Header, SampleType, Wavelet};
 
 use crate::corrupt::Damage;
+use crate::effort::Effort;
 use crate::lent::decode_any;
 use crate::oracle::noise::Noise;
 use crate::slabs;
@@ -169,7 +170,7 @@ fn golden() -> Result<Vec<Vec<u8>>, String> {
     Ok(streams)
 }
 
-/// A stream of rows and one of slabs of the same samples, if they are few.
+/// A stream of rows and two of slabs of the same samples, if they are few.
 fn arriving(header: &Header, samples: &[i32]) -> Vec<Vec<u8>> {
     let (extent, sample_type): (Extent, SampleType) = (header.plan().extent(), header.sample_type());
     let [width, height, depth] = extent.axes();
@@ -182,7 +183,10 @@ fn arriving(header: &Header, samples: &[i32]) -> Vec<Vec<u8>> {
     let slabs =
         slab.and_then(|slab| SlabPlan::new(wavelet, slab, levels.min(slab.max_levels()), sample_type).ok());
     let rows = rows.ok().map(|plan| streams::encode(&plan, samples, Pieces::Whole));
-    rows.into_iter().chain(slabs.map(|plan| slabs::encode(&plan, None, samples, samples.len()))).collect()
+    let slabs = slabs.into_iter().flat_map(|plan| {
+        [Effort::Fast, Effort::Light].map(|effort| slabs::encode(&plan, effort, samples, samples.len()))
+    });
+    rows.into_iter().chain(slabs).collect()
 }
 
 /// Whether any decoder refuses the bytes.

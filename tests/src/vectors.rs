@@ -151,6 +151,8 @@ pub struct Rows {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slabs {
+    /// How much the encoder tries.
+    pub effort: Effort,
     /// Slices of a slab.
     pub slab: u32,
     /// By its name.
@@ -178,7 +180,7 @@ impl Slabs {
         let [x, y, _] = self.extent;
         let extent = Extent::brick(x, y, self.slab).map_err(|error| error.to_string())?;
         let plan = SlabPlan::new(self.wavelet, extent, self.levels, self.sample_type);
-        Ok(slabs::encode(&plan.map_err(|error| error.to_string())?, None, samples, 1 << 12))
+        Ok(slabs::encode(&plan.map_err(|error| error.to_string())?, self.effort, samples, 1 << 12))
     }
 }
 

@@ -48,6 +48,21 @@ pub(crate) struct Run {
     pub(crate) decode: Limit,
     /// Bytes of state, scratch and stack.
     pub(crate) memory: Limit,
+    /// Streams that are measured.
+    #[serde(default, rename = "stream")]
+    pub(crate) streams: Vec<Stream>,
+}
+
+/// A stream that firmware makes.
+#[derive(Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Stream {
+    /// `slabs`, `slabs_of_rows`, whose slices are rows, or `rows`.
+    pub(crate) kind: String,
+    pub(crate) effort: String,
+    /// Instructions per sample.
+    pub(crate) encode: Limit,
+    pub(crate) decode: Limit,
 }
 
 /// The most that is allowed, and what is aimed at where that is less.

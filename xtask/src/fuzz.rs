@@ -38,7 +38,7 @@ pub(crate) struct Options {
     /// decode, header, roundtrip, step or container; all of them without one. `mutate` damages golden streams
     target: Option<String>,
     /// Seconds for each target
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 12)]
     seconds: u32,
     /// Add the fewest inputs of at most 600 bytes that reach new branches to tests/fuzz/corpus
     #[arg(long)]
@@ -50,7 +50,7 @@ pub(crate) struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { target: None, seconds: 10, keep: false, count: 0 }
+        Self { target: None, seconds: 12, keep: false, count: 0 }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `cargo xtask size --table`: what every profile takes on a target, and what others publish.
 
-use crate::budget::{self, Budgets, Limit, Run};
+use crate::budget::{self, Budgets, Limit, Run, Stream};
 use crate::shell::Failures;
 use crate::{device, size};
 
@@ -14,18 +14,22 @@ pub(crate) fn run() -> Failures {
         Err(error) => return vec![error],
     };
     let mut failures = vec![];
-    let mut rows = vec![];
+    let (mut rows, mut streams) = (vec![], vec![]);
     for run in &budgets.runs {
-        match row(&budgets, run) {
-            Ok(row) => rows.push(row),
-            Err(error) => failures.push(error),
-        }
+        let measured = device::measure(run).and_then(|measures| {
+            rows.push(row(&budgets, run, &measures)?);
+            streams.extend(
+                run.streams.iter().zip(&measures.streams).map(|(stream, of)| stream_row(run, stream, of)),
+            );
+            Ok(())
+        });
+        failures.extend(measured.err());
     }
     let others = std::fs::read_to_string(OTHERS).unwrap_or_else(|error| {
         failures.push(format!("{OTHERS}: {error}"));
         String::new()
     });
-    println!("\n{HEAD}{}\n{others}", rows.concat());
+    println!("\n{HEAD}{}\n{STREAMS_HEAD}{}\n{others}", rows.concat(), streams.concat());
     failures
 }
 
@@ -35,14 +39,34 @@ instructions per sample: encode / decode |
 | --- | --- | ---: | ---: | ---: | ---: |
 ";
 
-fn row(budgets: &Budgets, run: &Run) -> Result<String, String> {
-    let measures = device::measure(run)?;
+const STREAMS_HEAD: &str = "\
+| stream | profile | board | lent, bytes | stack, bytes: encode / decode | instructions per sample: encode / decode |
+| --- | --- | --- | ---: | ---: | ---: |
+";
+
+fn stream_row(run: &Run, stream: &Stream, measures: &device::StreamMeasures) -> String {
+    format!(
+        "| {}, {} | {} | {}, {} | {} | {} / {} | {} / {} |\n",
+        stream.kind.replace('_', " "),
+        stream.effort,
+        run.profile,
+        run.board,
+        core(&run.target),
+        thousands(measures.memory),
+        thousands(measures.encode_stack),
+        thousands(measures.decode_stack),
+        of_goal(measures.encode, stream.encode),
+        of_goal(measures.decode, stream.decode),
+    )
+}
+
+fn row(budgets: &Budgets, run: &Run, measures: &device::Measures) -> Result<String, String> {
     let flash = |binary: &str| {
         let image =
             budgets.images.iter().find(|image| image.profile == run.profile && image.binary == binary);
         image.map_or(Ok("–".to_owned()), |image| size::measure(image).map(thousands))
     };
-    let device::Measures { encode, decode, state, scratch, encode_stack, decode_stack, .. } = measures;
+    let &device::Measures { encode, decode, state, scratch, encode_stack, decode_stack, .. } = measures;
     Ok(format!(
         "| {} | {}, {} | {} / {} / {} | {} + {} | {} / {} | {} / {} |\n",
         run.profile,

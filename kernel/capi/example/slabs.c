@@ -9,6 +9,7 @@
 #define SLICES 2 /* in a slab */
 
 static wavelift_codec codec;
+static wavelift_training training;
 static wavelift_slab_encoder encoder;
 static wavelift_slab_decoder decoder;
 static int32_t slab[GOLDEN_MAX_SAMPLES], scratch[SCRATCH_LEN];
@@ -41,12 +42,40 @@ static wavelift_plan plan_of(const golden *golden)
     return plan;
 }
 
+/* What encodes the slabs, and as what. */
+static wavelift_error fast(const wavelift_plan *plan)
+{
+    return wavelift_slab_encoder_begin(&encoder, &codec, NULL, plan, &lent, room, sizeof room);
+}
+
+static wavelift_error trained(const wavelift_plan *plan)
+{
+    return wavelift_slab_encoder_begin(&encoder, &codec, &training, plan, &lent, room, sizeof room);
+}
+
+static wavelift_error light(const wavelift_plan *plan)
+{
+    return wavelift_slab_encoder_begin_light(&encoder, &codec, plan, &lent, room, sizeof room);
+}
+
+static wavelift_error tabled(const wavelift_plan *plan)
+{
+    return wavelift_slab_encoder_begin_tabled(&encoder, &codec, NULL, plan, &lent, room, sizeof room);
+}
+
+typedef wavelift_error begin(const wavelift_plan *plan);
+
+static const struct {
+    const char *name;
+    begin *begin;
+} efforts[] = {{"fast", fast}, {"trained", trained}, {"light", light}, {"tabled", tabled}};
+
 /* Encodes `original`, that many samples and bytes at a time: the length of the stream in `into`, or 0. */
-static size_t encode(const wavelift_plan *plan, size_t count, size_t piece, uint8_t *into)
+static size_t encode(begin *begin, const wavelift_plan *plan, size_t count, size_t piece, uint8_t *into)
 {
     size_t taken = 0, given = 0;
     wavelift_step step = {0, 0, WAVELIFT_NEED_INPUT};
-    if (wavelift_slab_encoder_begin(&encoder, &codec, plan, &lent, room, sizeof room) != WAVELIFT_OK) {
+    if (begin(plan) != WAVELIFT_OK) {
         return 0;
     }
     while (step.status != WAVELIFT_DONE) {
@@ -89,22 +118,32 @@ static size_t decode(const uint8_t *from, size_t len, size_t piece)
     return taken == len ? given : 0;
 }
 
-static int slabs_in_pieces(void)
+static int slabs_in_pieces(const char *name, begin *begin)
 {
     wavelift_plan plan = plan_of(brick());
     size_t count = wavelift_samples_len(&brick()->plan);
     golden_samples(brick(), original);
-    size_t len = encode(&plan, count, 4096, whole);
+    size_t len = encode(begin, &plan, count, 4096, whole);
     for (size_t piece = 1; piece < 100; piece += 7) {
         memset(samples, 0, sizeof samples);
-        if (len == 0 || encode(&plan, count, piece, bytes) != len || memcmp(bytes, whole, len) != 0 ||
+        if (len == 0 || encode(begin, &plan, count, piece, bytes) != len || memcmp(bytes, whole, len) != 0 ||
             decode(bytes, len, piece) != count || memcmp(samples, original, count * sizeof samples[0]) != 0) {
             return 0;
         }
     }
-    printf("slabs of %lu slices: %lu samples, %lu bytes\n", (unsigned long)plan.extent[2], (unsigned long)count,
-           (unsigned long)len);
+    printf("%s slabs of %lu slices: %lu samples, %lu bytes\n", name, (unsigned long)plan.extent[2],
+           (unsigned long)count, (unsigned long)len);
     return 1;
+}
+
+/* Of every effort. */
+static int all_in_pieces(void)
+{
+    int right = 1;
+    for (size_t i = 0; i < sizeof efforts / sizeof efforts[0]; i++) {
+        right &= slabs_in_pieces(efforts[i].name, efforts[i].begin);
+    }
+    return right;
 }
 
 /* Cut streams are truncated, damaged ones decode or are at fault, and both end. */
@@ -112,7 +151,7 @@ static int damaged_slabs(void)
 {
     wavelift_plan plan = plan_of(brick());
     golden_samples(brick(), original);
-    size_t len = encode(&plan, wavelift_samples_len(&brick()->plan), 4096, whole);
+    size_t len = encode(light, &plan, wavelift_samples_len(&brick()->plan), 4096, whole);
     for (size_t cut = 0; cut < len; cut++) {
         if (decode(whole, cut, 4096) != 0) {
             return 0;
@@ -136,22 +175,24 @@ static int refused_slabs(void)
     little.scratch_len = wavelift_scratch_len(&plan) - 1;
     memset(&encoder, 0x5A, sizeof encoder);
     return wavelift_slab_encoder_finish(&encoder) == WAVELIFT_NOT_BEGUN &&
-           wavelift_slab_encoder_begin(&encoder, &codec, &deep, &lent, room, sizeof room) == WAVELIFT_TOO_MANY_LEVELS &&
-           wavelift_slab_encoder_begin(&encoder, &codec, &plan, &lent, (uint8_t *)slab, sizeof slab) ==
+           wavelift_slab_encoder_begin(&encoder, &codec, NULL, &deep, &lent, room, sizeof room) == WAVELIFT_TOO_MANY_LEVELS &&
+           wavelift_slab_encoder_begin(&encoder, &codec, NULL, &plan, &lent, (uint8_t *)slab, sizeof slab) ==
                WAVELIFT_OVERLAP &&
-           wavelift_slab_encoder_begin(&encoder, &codec, &plan, &lent, room, sizeof room) == WAVELIFT_OK &&
+           wavelift_slab_encoder_begin_light(&encoder, &codec, &plan, &lent, room, 1) == WAVELIFT_BYTES_TOO_SHORT &&
+           trained(&plan) == WAVELIFT_OK &&
+           wavelift_slab_encoder_step(&encoder, (int32_t *)&training, 1, bytes, 1, &step) == WAVELIFT_OVERLAP &&
            wavelift_slab_encoder_step(&encoder, slab, 1, bytes, 1, &step) == WAVELIFT_OVERLAP &&
            wavelift_slab_encoder_step(&encoder, original, 1, bytes, 64, NULL) == WAVELIFT_NULL_POINTER &&
            wavelift_slab_encoder_step(&encoder, original, 1, bytes, 64, &step) == WAVELIFT_OK &&
            wavelift_slab_encoder_finish(&encoder) == WAVELIFT_UNFINISHED_ROW &&
-           wavelift_slab_encoder_begin(&encoder, &codec, &plan, &little, room, sizeof room) ==
+           wavelift_slab_encoder_begin(&encoder, &codec, NULL, &plan, &little, room, sizeof room) ==
                WAVELIFT_SCRATCH_TOO_SHORT &&
            wavelift_slab_encoder_finish(&encoder) == WAVELIFT_NOT_BEGUN;
 }
 
 int slabs_check(int *tests)
 {
-    int pieces = slabs_in_pieces(), damaged = damaged_slabs(), refused = refused_slabs();
+    int pieces = all_in_pieces(), damaged = damaged_slabs(), refused = refused_slabs();
     printf("%-15s %s\n", "slabs in pieces", pieces ? "right" : "WRONG");
     printf("%-15s %s\n", "damaged slabs", damaged ? "right" : "WRONG");
     printf("%-15s %s\n", "refused slabs", refused ? "right" : "WRONG");

@@ -43,6 +43,7 @@ enum {
     WAVELIFT_MALFORMED_STORED_LENGTH = 14, /* stored samples of another length than the extent's */
     WAVELIFT_MALFORMED_SEGMENT = 15,       /* a segment that no encoder writes */
     WAVELIFT_MALFORMED_SAMPLE = 16,        /* a sample outside the declared type */
+    WAVELIFT_MALFORMED_SLAB = 17,          /* a slab that is not as its stream says, or is dense or near-lossless */
     WAVELIFT_MALFORMED = 99,               /* a fault of the data that has no code in this header */
 
     WAVELIFT_NULL_POINTER = 100,           /* a pointer is NULL that must not be */
@@ -59,11 +60,12 @@ enum {
     WAVELIFT_SAMPLE_OUT_OF_RANGE = 111,    /* a sample is outside its type */
     WAVELIFT_OUTPUT_FULL = 112,            /* the codestream does not fit the output */
     WAVELIFT_LEVEL_OUT_OF_RANGE = 113,     /* the codestream holds fewer levels */
-    WAVELIFT_OTHER_CODEC = 114,            /* a near-lossless codestream, or none where one must be */
+    WAVELIFT_OTHER_CODEC = 114,            /* a near-lossless codestream, or none where one must be; rows for slabs */
     WAVELIFT_NEEDS_DENSE = 115,            /* a dense codestream: wavelift_decode_dense */
     WAVELIFT_NOT_BEGUN = 116,              /* nothing has begun in this memory */
     WAVELIFT_UNFINISHED_ROW = 117,         /* the last row lacks samples */
     WAVELIFT_NOT_BUILT = 118,              /* the library was built without what this takes */
+    WAVELIFT_BYTES_TOO_SHORT = 119,        /* the bytes lent for a slab are too few */
     WAVELIFT_REFUSED = 199                 /* a fault of the call that has no code in this header */
 };
 
@@ -373,15 +375,15 @@ wavelift_error wavelift_row_decoder_step(wavelift_row_decoder *decoder, const ui
  * wavelift_samples_len and wavelift_scratch_len elements, and wavelift_max_encoded_len bytes, all until its last call.
  */
 
-#define WAVELIFT_SLAB_ENCODER_WORDS 40
-#define WAVELIFT_SLAB_DECODER_WORDS 38
+#define WAVELIFT_SLAB_ENCODER_WORDS 44
+#define WAVELIFT_SLAB_DECODER_WORDS 40
 
-/* An encoder at work: 320 bytes. */
+/* An encoder at work: 352 bytes. */
 typedef struct wavelift_slab_encoder {
     uint64_t opaque[WAVELIFT_SLAB_ENCODER_WORDS];
 } wavelift_slab_encoder;
 
-/* A decoder at work: 304 bytes. */
+/* A decoder at work: 320 bytes. */
 typedef struct wavelift_slab_decoder {
     uint64_t opaque[WAVELIFT_SLAB_DECODER_WORDS];
 } wavelift_slab_decoder;
@@ -389,11 +391,18 @@ typedef struct wavelift_slab_decoder {
 size_t wavelift_slab_encoder_size(void);
 size_t wavelift_slab_decoder_size(void);
 
-/* Begins to encode, without training. Faults: of the plan, of the lengths of what is lent, and of pointers. With an
- * error nothing has begun, and what was begun in *encoder before has ended. */
+/* Begin to encode every slab as wavelift_encode, wavelift_encode_light or wavelift_encode_tabled encode a brick; memory
+ * for training, or NULL, is as there, and is lent as the rest is. Faults: of the plan, of the lengths of what is lent,
+ * and of pointers. With an error nothing has begun, and what was begun in *encoder before has ended. */
 wavelift_error wavelift_slab_encoder_begin(wavelift_slab_encoder *encoder, wavelift_codec *codec,
-                                           const wavelift_plan *plan, const wavelift_lent *lent, uint8_t *bytes,
-                                           size_t bytes_len);
+                                           wavelift_training *training, const wavelift_plan *plan,
+                                           const wavelift_lent *lent, uint8_t *bytes, size_t bytes_len);
+wavelift_error wavelift_slab_encoder_begin_light(wavelift_slab_encoder *encoder, wavelift_codec *codec,
+                                                 const wavelift_plan *plan, const wavelift_lent *lent, uint8_t *bytes,
+                                                 size_t bytes_len);
+wavelift_error wavelift_slab_encoder_begin_tabled(wavelift_slab_encoder *encoder, wavelift_codec *codec,
+                                                  wavelift_training *training, const wavelift_plan *plan,
+                                                  const wavelift_lent *lent, uint8_t *bytes, size_t bytes_len);
 
 /* As wavelift_row_encoder_step and wavelift_row_encoder_finish. */
 wavelift_error wavelift_slab_encoder_step(wavelift_slab_encoder *encoder, const int32_t *samples, size_t samples_len,

@@ -48,6 +48,8 @@ errors! {
     MalformedSegment = 15, c"WAVELIFT_MALFORMED_SEGMENT";
     /// A decoded sample outside the declared type.
     MalformedSample = 16, c"WAVELIFT_MALFORMED_SAMPLE";
+    /// A slab that is not as the header of its stream says, or is dense or near-lossless.
+    MalformedSlab = 17, c"WAVELIFT_MALFORMED_SLAB";
     /// The data break a rule that has no code of its own in this version of the header.
     Malformed = 99, c"WAVELIFT_MALFORMED";
 
@@ -89,6 +91,8 @@ errors! {
     UnfinishedRow = 117, c"WAVELIFT_UNFINISHED_ROW";
     /// The library was built without what this takes.
     NotBuilt = 118, c"WAVELIFT_NOT_BUILT";
+    /// The bytes lent for a slab are too few.
+    BytesTooShort = 119, c"WAVELIFT_BYTES_TOO_SHORT";
     /// The call breaks a rule that has no code of its own in this version of the header.
     Refused = 199, c"WAVELIFT_REFUSED";
 }
@@ -119,7 +123,11 @@ impl From<PlanError> for WaveliftError {
 
 impl From<LengthError> for WaveliftError {
     fn from(error: LengthError) -> Self {
-        if error.slice == Slice::Scratch { Self::ScratchTooShort } else { Self::SamplesLength }
+        match error.slice {
+            Slice::Scratch => Self::ScratchTooShort,
+            Slice::Bytes => Self::BytesTooShort,
+            _ => Self::SamplesLength,
+        }
     }
 }
 
@@ -174,6 +182,7 @@ impl From<Malformed> for WaveliftError {
             Malformed::StoredLength => Self::MalformedStoredLength,
             Malformed::Segment => Self::MalformedSegment,
             Malformed::Sample => Self::MalformedSample,
+            Malformed::Slab => Self::MalformedSlab,
             _ => Self::Malformed,
         }
     }

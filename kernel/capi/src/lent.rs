@@ -39,8 +39,8 @@ unsafe impl Plain for i32 {}
 // SAFETY: every pattern of bits is a value.
 unsafe impl Plain for usize {}
 
-/// Buffers of one call, at most.
-const MOST: usize = 8;
+/// Buffers of one call, and of the one that began what it goes on with, at most.
+const MOST: usize = 9;
 
 /// Addresses of buffers, no two of which overlap.
 #[derive(Clone, Debug)]

@@ -60,7 +60,8 @@ pub use rows::{
 #[cfg(feature = "rows")]
 pub use slabs::{
     wavelift_slab_decoder_begin, wavelift_slab_decoder_step, wavelift_slab_encoder_begin,
-    wavelift_slab_encoder_finish, wavelift_slab_encoder_step, wavelift_slab_header_parse,
+    wavelift_slab_encoder_begin_light, wavelift_slab_encoder_begin_tabled, wavelift_slab_encoder_finish,
+    wavelift_slab_encoder_step, wavelift_slab_header_parse,
 };
 pub use state::{
     WaveliftCodec, WaveliftDense, WaveliftLattice, WaveliftTraining, wavelift_codec_size,

@@ -1,5 +1,6 @@
 //! Streams of slabs: as those of rows, in memory for the samples and the codestream of one slab.
 
+use wavelift_kernel::Effort;
 use wavelift_kernel::stream::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan};
 
 use crate::error::code;
@@ -7,6 +8,7 @@ use crate::lent::Loan;
 use crate::rows::WaveliftStep;
 use crate::{
     WaveliftCodec, WaveliftError, WaveliftLent, WaveliftPlan, WaveliftSlabDecoder, WaveliftSlabEncoder,
+    WaveliftTraining,
 };
 
 /// The plan of slabs, and the memory that is lent for them.
@@ -48,7 +50,27 @@ pub unsafe extern "C" fn wavelift_slab_header_parse(
     code(parse())
 }
 
-/// Begins to encode slabs.
+/// Begins with an effort whose memory is borrowed last.
+///
+/// # Safety
+/// As [`wavelift_slab_encoder_begin`].
+unsafe fn begin(
+    encoder: *mut WaveliftSlabEncoder,
+    codec: *mut WaveliftCodec,
+    (plan, lent): (*const WaveliftPlan, *const WaveliftLent),
+    bytes: (*mut u8, usize),
+    effort: impl FnOnce(&mut Loan<'static>) -> Result<Effort<'static>, WaveliftError>,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    let loan = unsafe { Loan::new() };
+    code(loan.begin(encoder, |loan| {
+        let (plan, memory) = lend(loan, plan, lent, bytes)?;
+        let codec = loan.state(codec)?;
+        Ok(SlabEncoder::new(&plan, codec, effort(loan)?, memory)?)
+    }))
+}
+
+/// Begins to encode slabs with [`Effort::Default`], or [`Effort::Fast`] if `training` is NULL.
 ///
 /// # Safety
 /// Each pointer is NULL or to memory of its type, `bytes` of `bytes_len`, and those in `lent` of their lengths, that
@@ -57,17 +79,57 @@ pub unsafe extern "C" fn wavelift_slab_header_parse(
 pub unsafe extern "C" fn wavelift_slab_encoder_begin(
     encoder: *mut WaveliftSlabEncoder,
     codec: *mut WaveliftCodec,
+    training: *mut WaveliftTraining,
     plan: *const WaveliftPlan,
     lent: *const WaveliftLent,
     bytes: *mut u8,
     bytes_len: usize,
 ) -> WaveliftError {
     // SAFETY: the caller promises as much.
-    let loan = unsafe { Loan::new() };
-    code(loan.begin(encoder, |loan| {
-        let (plan, memory) = lend(loan, plan, lent, (bytes, bytes_len))?;
-        Ok(SlabEncoder::new(&plan, loan.state(codec)?, None, memory)?)
-    }))
+    unsafe {
+        begin(encoder, codec, (plan, lent), (bytes, bytes_len), |loan| {
+            Ok(if training.is_null() { Effort::Fast } else { Effort::Default(loan.state(training)?) })
+        })
+    }
+}
+
+/// Begins to encode slabs with [`Effort::Light`].
+///
+/// # Safety
+/// As [`wavelift_slab_encoder_begin`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_slab_encoder_begin_light(
+    encoder: *mut WaveliftSlabEncoder,
+    codec: *mut WaveliftCodec,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    bytes: *mut u8,
+    bytes_len: usize,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    unsafe { begin(encoder, codec, (plan, lent), (bytes, bytes_len), |_| Ok(Effort::Light)) }
+}
+
+/// Begins to encode slabs with [`Effort::Wide`], or [`Effort::Tabled`] if `training` is NULL.
+///
+/// # Safety
+/// As [`wavelift_slab_encoder_begin`].
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn wavelift_slab_encoder_begin_tabled(
+    encoder: *mut WaveliftSlabEncoder,
+    codec: *mut WaveliftCodec,
+    training: *mut WaveliftTraining,
+    plan: *const WaveliftPlan,
+    lent: *const WaveliftLent,
+    bytes: *mut u8,
+    bytes_len: usize,
+) -> WaveliftError {
+    // SAFETY: the caller promises as much.
+    unsafe {
+        begin(encoder, codec, (plan, lent), (bytes, bytes_len), |loan| {
+            Ok(if training.is_null() { Effort::Tabled } else { Effort::Wide(loan.state(training)?) })
+        })
+    }
 }
 
 /// Takes samples and gives bytes.

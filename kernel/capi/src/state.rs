@@ -113,12 +113,12 @@ session! {
 #[cfg(feature = "rows")]
 session! {
     /// Memory of [`SlabEncoder`]: `wavelift_slab_encoder`.
-    WaveliftSlabEncoder(40) of SlabEncoder<'static>, b"wSlabEnc"
+    WaveliftSlabEncoder(44) of SlabEncoder<'static>, b"wSlabEnc"
 }
 #[cfg(feature = "rows")]
 session! {
     /// Memory of [`SlabDecoder`]: `wavelift_slab_decoder`.
-    WaveliftSlabDecoder(38) of SlabDecoder<'static>, b"wSlabDec"
+    WaveliftSlabDecoder(40) of SlabDecoder<'static>, b"wSlabDec"
 }
 
 /// Bytes of [`WaveliftCodec`], for callers that do not read the header.

@@ -176,11 +176,40 @@ fn rows_come_back_in_pieces() {
     }
 }
 
+/// Begins to encode slabs, of each effort.
+type Begin = unsafe fn(
+    *mut WaveliftSlabEncoder,
+    *mut WaveliftCodec,
+    *mut WaveliftTraining,
+    (*const WaveliftPlan, *const WaveliftLent),
+    (*mut u8, usize),
+) -> WaveliftError;
+
+const BEGINS: [Begin; 5] = unsafe {
+    [
+        |encoder, codec, _, (plan, lent), (room, len)| {
+            wavelift_slab_encoder_begin(encoder, codec, null_mut(), plan, lent, room, len)
+        },
+        |encoder, codec, training, (plan, lent), (room, len)| {
+            wavelift_slab_encoder_begin(encoder, codec, training, plan, lent, room, len)
+        },
+        |encoder, codec, _, (plan, lent), (room, len)| {
+            wavelift_slab_encoder_begin_light(encoder, codec, plan, lent, room, len)
+        },
+        |encoder, codec, _, (plan, lent), (room, len)| {
+            wavelift_slab_encoder_begin_tabled(encoder, codec, null_mut(), plan, lent, room, len)
+        },
+        |encoder, codec, training, (plan, lent), (room, len)| {
+            wavelift_slab_encoder_begin_tabled(encoder, codec, training, plan, lent, room, len)
+        },
+    ]
+};
+
 #[test]
 fn slabs_come_back_in_pieces() {
     let plan = WaveliftPlan { extent: [7, 5, 2], ..PLAN };
-    let mut codec = memory::<WaveliftCodec>();
-    let codec = codec.as_mut_ptr();
+    let (mut codec, mut training) = (memory::<WaveliftCodec>(), memory::<WaveliftTraining>());
+    let (codec, training) = (codec.as_mut_ptr(), training.as_mut_ptr());
     let (mut encoder, mut decoder) = (memory::<WaveliftSlabEncoder>(), memory::<WaveliftSlabDecoder>());
     let (encoder, decoder) = (encoder.as_mut_ptr(), decoder.as_mut_ptr());
     unsafe {
@@ -188,20 +217,51 @@ fn slabs_come_back_in_pieces() {
             (vec![0; wavelift_samples_len(&plan)], vec![0; wavelift_scratch_len(&plan)]);
         let mut bytes = vec![0; wavelift_max_encoded_len(&plan)];
         let (lent, bytes, room) = (lent(&mut slab, &mut scratch), bytes.as_mut_ptr(), bytes.len());
-        assert_eq!(wavelift_slab_encoder_begin(encoder, codec, &plan, &lent, bytes, room), WaveliftError::Ok);
-        let step = |from, len, to, room, done| wavelift_slab_encoder_step(encoder, from, len, to, room, done);
-        let finish = || assert_eq!(wavelift_slab_encoder_finish(encoder), WaveliftError::Ok);
-        let stream: Vec<u8> = drain(&samples(), step, finish);
+        for begin in BEGINS {
+            assert_eq!(begin(encoder, codec, training, (&plan, &lent), (bytes, room)), WaveliftError::Ok);
+            let step =
+                |from, len, to, room, done| wavelift_slab_encoder_step(encoder, from, len, to, room, done);
+            let finish = || assert_eq!(wavelift_slab_encoder_finish(encoder), WaveliftError::Ok);
+            let stream: Vec<u8> = drain(&samples(), step, finish);
 
-        let mut parsed = MaybeUninit::uninit();
-        let mut header = 0;
-        let error =
-            wavelift_slab_header_parse(stream.as_ptr(), stream.len(), parsed.as_mut_ptr(), &mut header);
-        assert_eq!((error, parsed.assume_init()), (WaveliftError::Ok, plan));
-        assert_eq!(wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, bytes, room), WaveliftError::Ok);
-        let step = |from, len, to, room, done| wavelift_slab_decoder_step(decoder, from, len, to, room, done);
-        let back: Vec<i32> = drain(&stream[header..], step, || panic!("the stream is whole"));
-        assert_eq!(back, samples());
+            let mut parsed = MaybeUninit::uninit();
+            let mut header = 0;
+            let error =
+                wavelift_slab_header_parse(stream.as_ptr(), stream.len(), parsed.as_mut_ptr(), &mut header);
+            assert_eq!((error, parsed.assume_init()), (WaveliftError::Ok, plan));
+            let error = wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, bytes, room);
+            assert_eq!(error, WaveliftError::Ok);
+            let step =
+                |from, len, to, room, done| wavelift_slab_decoder_step(decoder, from, len, to, room, done);
+            let back: Vec<i32> = drain(&stream[header..], step, || panic!("the stream is whole"));
+            assert_eq!(back, samples());
+        }
+    }
+}
+
+#[test]
+fn dense_slabs_are_told_as_such() {
+    let plan = WaveliftPlan { extent: [4, 4, 1], wavelet: 0, levels: 0, sample_type: 0 };
+    let (mut codec, mut decoder) = (memory::<WaveliftCodec>(), memory::<WaveliftSlabDecoder>());
+    let (codec, decoder) = (codec.as_mut_ptr(), decoder.as_mut_ptr());
+    let (mut slab, mut scratch, mut room) = ([0; 16], [0; 64], [0; 64]);
+    let (lent, room, len) = (lent(&mut slab, &mut scratch), room.as_mut_ptr(), room.len());
+    // The length of a slab, and the header of a dense codestream.
+    let (stream, mut samples) = ([10, b'w', b'L', 2, 1, 0, 0, 4, 4, 1, 0], [0; 16]);
+    let mut step = MaybeUninit::<WaveliftStep>::uninit();
+    unsafe {
+        assert_eq!(
+            wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, room, 8),
+            WaveliftError::BytesTooShort
+        );
+        assert_eq!(wavelift_slab_decoder_begin(decoder, codec, &plan, &lent, room, len), WaveliftError::Ok);
+        let mut decode = |bytes: &[u8]| {
+            let (from, count) = (bytes.as_ptr(), bytes.len());
+            wavelift_slab_decoder_step(decoder, from, count, samples.as_mut_ptr(), 16, step.as_mut_ptr())
+        };
+        // All but the length is looked at once it is there.
+        assert_eq!(decode(&stream[..5]), WaveliftError::Ok);
+        assert_eq!(decode(&stream[5..]), WaveliftError::MalformedSlab);
     }
 }
 

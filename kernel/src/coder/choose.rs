@@ -2,6 +2,7 @@
 
 use super::forecast::{Forecast, RowMemory, Weights};
 use super::predictor::Predictor;
+use super::scatter::scattered;
 use super::taps::{Planes, Taps};
 use super::train::Training;
 use super::weightless::{Fixed, FixedRow, RowsBefore};
@@ -14,8 +15,11 @@ const LESSONS: [usize; 2] = [1 << 12, 1 << 13];
 /// Of a subband of details.
 const LESSONS_OF_DETAILS: [usize; 2] = [1 << 10, 1 << 11];
 
-/// Coefficients that predictors are compared on, about: of larger subbands only every so many rows.
+/// Coefficients that predictors are compared on, at least: of larger subbands those of some rows.
 const COMPARED: usize = 1 << 12;
+
+/// Of so many rows one is compared, or more.
+const ROWS_FOR_ONE: usize = 64;
 
 /// Subbands of fewer coefficients are not worth weights of their own.
 const WORTH_TRAINING: usize = 1 << 11;
@@ -79,14 +83,17 @@ impl Choosing<'_> {
         (Predictor::Trained(first, rest), count)
     }
 
-    /// Bits that the residuals take, about, estimated from every so many rows.
+    /// Bits that the residuals take, about, estimated from rows all over the subband.
     fn cost(&mut self, predictor: &Predictor) -> Option<u64> {
         let [width, height, depth] = self.subband.sides;
-        let every = width.wrapping_mul(height).wrapping_mul(depth).div_ceil(COMPARED) | 1;
+        let rows = height.wrapping_mul(depth);
+        let compared = COMPARED.div_ceil(width.max(1)).max(rows / ROWS_FOR_ONE).min(rows);
         let mut bits = 0_u64;
-        for place in self.subband.rows().step_by(every) {
+        for row in scattered(rows).take(compared) {
+            let place = [row.checked_rem(height)?, row.checked_div(height)?];
             bits = bits.wrapping_add(self.cost_of_row(predictor, place)?);
         }
+        let every = rows.div_ceil(compared.max(1));
         Some(bits.wrapping_mul(u64::try_from(every).unwrap_or(1)))
     }
 

@@ -27,6 +27,7 @@ mod row;
 #[cfg(feature = "stream")]
 mod row_models;
 mod scan;
+mod scatter;
 pub(crate) mod tabled;
 mod taps;
 mod train;

@@ -6,8 +6,8 @@ mod products;
 use self::products::Columns;
 use super::forecast::{FRACTION_BITS, LARGEST_SUM, LARGEST_WEIGHT, Weights};
 use super::low_half;
+use super::scatter::scattered;
 use super::taps::{Known, KnownRows, REACH, Taps, WEIGHTS, WEST};
-use crate::extent::to_usize;
 use crate::memory::copy;
 
 /// Times that the weights are trained: coefficients that the last found hard to predict count less.
@@ -60,9 +60,6 @@ const ROWS: usize = WEIGHTS + 1;
 
 /// Entries of a triangular matrix of their products.
 const ENTRIES: usize = ROWS * (ROWS + 1) / 2;
-
-/// The golden section of 2^32.
-const GOLDEN: u32 = 0x9E37_79B9;
 
 /// The memory in which an encoder trains predictors, of fixed size.
 #[derive(Debug, PartialEq, Eq)]
@@ -508,12 +505,7 @@ fn all_rows(taps: &Taps) -> impl Iterator<Item = [usize; 2]> {
     let first = usize::from(height > 1);
     let rows = height.wrapping_sub(first);
     let count = rows.wrapping_mul(planes.len());
-    let cycle = count.checked_next_power_of_two().unwrap_or(0);
-    // An odd stride visits each place of the cycle once.
-    let bits = cycle.checked_ilog2().unwrap_or(0);
-    let stride = to_usize(GOLDEN.checked_shr(u32::BITS.saturating_sub(bits)).unwrap_or(0)) | 1;
-    let places = (0..cycle).map(move |number| number.wrapping_mul(stride) & cycle.wrapping_sub(1));
-    places.filter(move |&place| place < count).map(move |place| {
+    scattered(count).map(move |place| {
         let (plane, row) = (place.checked_div(rows).unwrap_or(0), place.checked_rem(rows).unwrap_or(0));
         [first.wrapping_add(row), planes.start.wrapping_add(plane)]
     })

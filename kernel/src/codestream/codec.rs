@@ -72,8 +72,21 @@ impl Effort<'_> {
         }
     }
 
+    /// The same, with its memory lent on.
+    #[cfg(feature = "slabs")]
+    pub(crate) const fn lend(&mut self) -> Effort<'_> {
+        match self {
+            Self::Light => Effort::Light,
+            Self::Tabled => Effort::Tabled,
+            Self::Wide(training) => Effort::Wide(training),
+            Self::Fast => Effort::Fast,
+            Self::Default(training) => Effort::Default(training),
+            Self::Dense(dense, training) => Effort::Dense(dense, training),
+        }
+    }
+
     /// What it takes that this build has not.
-    const fn missing(&self) -> Option<Feature> {
+    pub(crate) const fn missing(&self) -> Option<Feature> {
         match self {
             Self::Light if !Feature::Light.is_built() => Some(Feature::Light),
             Self::Fast if !Feature::Adaptive.is_built() => Some(Feature::Adaptive),

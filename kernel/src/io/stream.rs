@@ -6,16 +6,16 @@ use embedded_io::{Read, Write};
 
 use super::{ReadError, WriteError, fill, write};
 use crate::DecodeError;
-use crate::stream::{
-    RowDecoder, RowEncoder, RowError, RowPlan, SlabDecoder, SlabEncoder, SlabPlan, Status, Step,
-};
+#[cfg(feature = "stream")]
+use crate::stream::{RowDecoder, RowEncoder, RowPlan};
+use crate::stream::{RowError, SlabDecoder, SlabEncoder, SlabPlan, Status, Step};
 
 /// Bytes that are written at a time.
 const PIECE: usize = 64;
 
-/// An encoder that a [`SampleWriter`] drives: [`RowEncoder`] or [`SlabEncoder`].
+/// An encoder that a [`SampleWriter`] drives: of rows, or [`SlabEncoder`].
 pub trait StreamEncoder {
-    /// Takes samples and gives bytes; see [`RowEncoder::step`].
+    /// Takes samples and gives bytes; see [`SlabEncoder::step`].
     ///
     /// # Errors
     /// [`RowError::SampleOutOfRange`].
@@ -28,6 +28,7 @@ pub trait StreamEncoder {
     fn finish(&mut self) -> Result<(), RowError>;
 }
 
+#[cfg(feature = "stream")]
 impl StreamEncoder for RowEncoder<'_> {
     fn step(&mut self, input: &[i32], output: &mut [u8]) -> Result<Step, RowError> {
         RowEncoder::step(self, input, output)
@@ -48,15 +49,16 @@ impl StreamEncoder for SlabEncoder<'_> {
     }
 }
 
-/// A decoder that a [`SampleReader`] drives: [`RowDecoder`] or [`SlabDecoder`].
+/// A decoder that a [`SampleReader`] drives: of rows, or [`SlabDecoder`].
 pub trait StreamDecoder {
-    /// Takes bytes and gives samples; see [`RowDecoder::step`].
+    /// Takes bytes and gives samples; see [`SlabDecoder::step`].
     ///
     /// # Errors
     /// What is wrong with the stream.
     fn step(&mut self, input: &[u8], output: &mut [i32]) -> Result<Step, DecodeError>;
 }
 
+#[cfg(feature = "stream")]
 impl StreamDecoder for RowDecoder<'_> {
     fn step(&mut self, input: &[u8], output: &mut [i32]) -> Result<Step, DecodeError> {
         RowDecoder::step(self, input, output)
@@ -180,14 +182,15 @@ impl<S: StreamDecoder, R: Read> SampleReader<S, R> {
 ///
 /// # Errors
 /// [`ReadError::Decode`] if it is wrong or the reader ends early, [`ReadError::Io`] if the reader fails.
+#[cfg(feature = "stream")]
 pub fn read_row_plan<R: Read>(reader: &mut R) -> Result<RowPlan, ReadError<R::Error>> {
     read_header(reader, RowPlan::parse)
 }
 
-/// Reads the header of a stream of slabs, as [`read_row_plan`].
+/// Reads the header of a stream of slabs, byte by byte, and nothing after it.
 ///
 /// # Errors
-/// As [`read_row_plan`].
+/// [`ReadError::Decode`] if it is wrong or the reader ends early, [`ReadError::Io`] if the reader fails.
 pub fn read_slab_plan<R: Read>(reader: &mut R) -> Result<SlabPlan, ReadError<R::Error>> {
     read_header(reader, SlabPlan::parse)
 }
@@ -196,7 +199,7 @@ fn read_header<R: Read, P>(
     reader: &mut R,
     parse: impl Fn(&[u8]) -> Result<(P, usize), DecodeError>,
 ) -> Result<P, ReadError<R::Error>> {
-    let mut bytes = [0; RowPlan::MAX_HEADER_BYTES];
+    let mut bytes = [0; SlabPlan::MAX_HEADER_BYTES];
     let mut filled = 0_usize;
     loop {
         match parse(bytes.get(..filled).unwrap_or_default()) {
@@ -222,11 +225,11 @@ impl<E: fmt::Display> fmt::Display for SampleWriteError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for SampleWriteError<E> {}
 
-#[cfg(test)]
+#[cfg(all(test, feature = "stream"))]
 mod tests {
     use super::*;
     use crate::stream::{RowCodec, SlabMemory};
-    use crate::{Codec, Extent, SampleType, Wavelet};
+    use crate::{Codec, Effort, Extent, SampleType, Wavelet};
 
     const ROWS: RowPlan = match RowPlan::new(Wavelet::Linear, 12, 2, SampleType::U8) {
         Ok(plan) => plan,
@@ -295,7 +298,7 @@ mod tests {
         let (mut lent, mut scratch, mut bytes, mut device) = ([0; 12], [0; 64], [0; 64], [0; 100]);
         let mut codec = Codec::NEW;
         let memory = SlabMemory { samples: &mut lent, scratch: &mut scratch, bytes: &mut bytes };
-        let encoder = SlabEncoder::new(&plan, &mut codec, None, memory).unwrap();
+        let encoder = SlabEncoder::new(&plan, &mut codec, Effort::Fast, memory).unwrap();
         let mut writer = SampleWriter::new(encoder, &mut device[..]);
         writer.write(&samples).unwrap();
         let left = writer.finish().unwrap().len();

@@ -2,8 +2,7 @@
 
 use heapless::Vec;
 
-use super::plan::{MAX_LEVELS, RowPlan};
-use crate::{DecodeError, Malformed, PlanError, SampleType, Wavelet};
+use crate::{DecodeError, Malformed, SampleType, Wavelet};
 
 /// The version of the format that this crate writes, and the only one it reads.
 const VERSION: u8 = 2;
@@ -16,6 +15,9 @@ pub(super) const ROWS: u8 = 0;
 
 /// The kind of a stream of slabs.
 pub(super) const SLABS: u8 = 1;
+
+/// Levels of a stream, at most.
+pub(super) const MAX_LEVELS: u8 = 31;
 
 /// Bytes of the longest header: magic, version, kind, type and wavelet, levels, and up to three numbers.
 pub(super) const MAX_BYTES: usize = 6 + 3 * 5;
@@ -143,32 +145,5 @@ impl<'a> Reader<'a> {
             return Err(Malformed::Levels.into());
         }
         Ok(Fields { sample_type, wavelet, levels })
-    }
-}
-
-impl RowPlan {
-    /// Reads the header of a stream of rows at the beginning of `bytes`; returns what it says and how long it is, at
-    /// most [`RowPlan::MAX_HEADER_BYTES`]. What follows it is not looked at.
-    ///
-    /// # Errors
-    /// [`DecodeError::Truncated`] if `bytes` ends first, [`DecodeError::OtherCodec`] if it is the header of a stream
-    /// of slabs, [`DecodeError::NotBuilt`] if this build lacks its wavelet; otherwise what is wrong with it.
-    pub fn parse(bytes: &[u8]) -> Result<(Self, usize), DecodeError> {
-        let mut reader = Reader::new(bytes);
-        let Fields { sample_type, wavelet, levels } = reader.fields(ROWS)?;
-        let (width, strip) = (reader.number()?, reader.number()?);
-        let wavelet = wavelet.unwrap_or(Wavelet::Haar);
-        let plan = Self::new(wavelet, width, levels, sample_type).map_err(PlanError::in_header)?;
-        match u16::try_from(strip) {
-            Ok(strip) if strip > 0 => Ok((plan.with_strip(strip), reader.taken())),
-            _ => Err(Malformed::Reserved.into()),
-        }
-    }
-
-    /// The header of a stream of such rows.
-    pub(super) fn header(&self) -> Bytes {
-        let wavelet = (self.levels() > 0).then(|| self.wavelet());
-        let fields = Fields { sample_type: self.sample_type(), wavelet, levels: self.levels() };
-        fields.write(ROWS, &[self.width(), self.strip()])
     }
 }

@@ -3,35 +3,22 @@
 //! A [`RowEncoder`] takes the samples of a slice row by row, their number not known before, and gives the bytes of a
 //! stream as they become known; a [`RowDecoder`] takes the bytes and gives the samples. Both hold the few rows that
 //! each lifting step needs, in lent memory. The coefficients are those of the transform of the whole slice.
+//! A [`SlabEncoder`] and a [`SlabDecoder`] do the same slice by slice, in memory for the few that are a slab, with any
+//! effort but the dense one.
 //! The format is in `docs/stream.md`.
 
-mod bands;
-mod chunks;
-mod codec;
-mod decoder;
-mod encoder;
 mod error;
-mod fronts;
 mod header;
-mod inverse;
-mod outgoing;
-mod plan;
-mod schedule;
-mod shelf;
+#[cfg(feature = "stream")]
+mod rows;
 mod slabs;
-mod spread;
-#[cfg(test)]
+#[cfg(all(test, feature = "stream"))]
 mod total;
 
-pub use codec::RowCodec;
-pub use decoder::RowDecoder;
-pub use encoder::RowEncoder;
 pub use error::RowError;
-pub use plan::RowPlan;
+#[cfg(feature = "stream")]
+pub use rows::{RowCodec, RowDecoder, RowEncoder, RowPlan};
 pub use slabs::{SlabDecoder, SlabEncoder, SlabMemory, SlabPlan};
-
-/// The chance that another row follows, in 1/65536.
-const MORE: u32 = 0xFFFF;
 
 /// What a call of `step` did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

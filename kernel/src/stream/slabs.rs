@@ -1,7 +1,7 @@
 //! Volumes whose slices arrive one after another, their number not known before, as a sequence of codestreams of a few
 //! slices each: slabs.
 
-use super::header::{Fields, Reader, SLABS};
+use super::header::{Bytes, Fields, MAX_BYTES, Reader, SLABS};
 use crate::{DecodeError, Extent, Header, Plan, PlanError, SampleType, Wavelet, max_encoded_len};
 
 mod decoder;
@@ -86,8 +86,11 @@ impl SlabPlan {
         crate::extent::to_usize(self.bytes)
     }
 
+    /// Bytes that any stream of slabs begins with, at most.
+    pub const MAX_HEADER_BYTES: usize = MAX_BYTES;
+
     /// Reads the header of a stream of slabs at the beginning of `bytes`; returns what it says and how long it is, at
-    /// most [`RowPlan::MAX_HEADER_BYTES`](super::RowPlan::MAX_HEADER_BYTES).
+    /// most [`SlabPlan::MAX_HEADER_BYTES`].
     ///
     /// # Errors
     /// [`DecodeError::Truncated`] if `bytes` ends first, [`DecodeError::OtherCodec`] if it is the header of a stream
@@ -102,7 +105,7 @@ impl SlabPlan {
     }
 
     /// The header of a stream of such slabs.
-    pub(super) fn header(&self) -> super::header::Bytes {
+    pub(super) fn header(&self) -> Bytes {
         let wavelet = (self.plan.levels() > 0).then(|| self.plan.wavelet());
         let fields = Fields { sample_type: self.sample_type, wavelet, levels: self.plan.levels() };
         fields.write(SLABS, &self.plan.extent().axes())
@@ -125,6 +128,6 @@ impl SlabPlan {
     fn accept(&self, header: &Header) -> Option<usize> {
         let [_, _, slices] = header.plan().extent().axes();
         let fits = self.plan_of(slices) == Some(header.plan()) && header.sample_type() == self.sample_type;
-        (fits && header.slack().is_none()).then(|| header.plan().extent().samples())
+        (fits && header.slack().is_none() && !header.is_dense()).then(|| header.plan().extent().samples())
     }
 }

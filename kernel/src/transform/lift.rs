@@ -23,6 +23,18 @@ pub(super) struct Part {
     pub(super) sides: [usize; 3],
 }
 
+impl Part {
+    /// The same samples: slices of one row each are rows of a slice.
+    const fn with_rows(self) -> Self {
+        match self {
+            Self { part: [x, _, z], sides: [width, 1, depth] } => {
+                Self { part: [x, z, 1], sides: [width, depth, 1] }
+            }
+            part => part,
+        }
+    }
+}
+
 /// A wavelet, and memory for the lines that it is applied to.
 #[derive(Debug)]
 pub(super) struct Lifter<'a> {
@@ -61,6 +73,7 @@ impl Lifter<'_> {
         if cfg!(feature = "small") {
             return self.lift_in_panels(direction, part, samples);
         }
+        let part = part.with_rows();
         let ([x, y, z], [width, height, _]) = (part.part, part.sides);
         let slice = width.wrapping_mul(height);
         if let Direction::Inverse = direction {

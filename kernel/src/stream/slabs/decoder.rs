@@ -5,7 +5,7 @@ use super::super::{Status, Step};
 use super::{SlabMemory, SlabPlan};
 use crate::extent::to_usize;
 use crate::memory::copy;
-use crate::{Codec, DecodeError, Header, LengthError, Malformed};
+use crate::{Codec, DecodeError, Feature, Header, LengthError, Malformed};
 
 /// Makes slices of a stream of slabs whose bytes arrive one after another.
 #[derive(Debug)]
@@ -43,8 +43,10 @@ impl<'a> SlabDecoder<'a> {
     }
 
     /// Takes bytes of the stream from the beginning of `input`, and gives samples to the beginning of `output`, x
-    /// fastest, until one of them is used up, or nothing is left to do; as
-    /// [`RowDecoder::step`](crate::stream::RowDecoder::step).
+    /// fastest, until one of them is used up, or nothing is left to do.
+    ///
+    /// What it gives does not depend on how input and output are cut into pieces. Where [`Status::NeedInput`] meets the end
+    /// of the input, the stream is truncated; bytes after the stream are not taken.
     ///
     /// # Errors
     /// What is wrong with the stream, as soon as all samples before are given, and from then on always.
@@ -115,9 +117,11 @@ impl<'a> SlabDecoder<'a> {
     fn decode(&mut self, length: usize) -> Result<(), DecodeError> {
         let SlabMemory { samples, scratch, bytes } = &mut self.memory;
         let bytes = bytes.get(..length).unwrap_or_default();
-        // A codestream that ends before its length says is not the end of the stream.
+        // A codestream that ends before its length says is not the end of the stream, and no build decodes dense slabs.
         let within = |error| match error {
-            DecodeError::Truncated | DecodeError::TrailingBytes => Malformed::Slab.into(),
+            DecodeError::Truncated
+            | DecodeError::TrailingBytes
+            | DecodeError::NotBuilt(Feature::Dense | Feature::Lattice) => Malformed::Slab.into(),
             error => error,
         };
         let header = Header::parse(bytes).map_err(within)?;

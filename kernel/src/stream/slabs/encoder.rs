@@ -5,14 +5,14 @@ use super::super::{RowError, Status, Step};
 use super::{SlabMemory, SlabPlan};
 use crate::error::at_least;
 use crate::memory::copy;
-use crate::{Codec, Effort, LengthError, Slice, Training};
+use crate::{Codec, Effort, EncodeError, LengthError, Slice};
 
 /// Makes a stream of slabs of slices that arrive one after another.
 #[derive(Debug)]
 pub struct SlabEncoder<'a> {
     plan: SlabPlan,
     codec: &'a mut Codec,
-    training: Option<&'a mut Training>,
+    effort: Effort<'a>,
     memory: SlabMemory<'a>,
     /// The header, or the length of a codestream, and how much of it is out.
     first: Bytes,
@@ -27,21 +27,28 @@ pub struct SlabEncoder<'a> {
 }
 
 impl<'a> SlabEncoder<'a> {
-    /// An encoder in lent memory; with `training` it trains predictors, as [`Effort::Default`].
+    /// An encoder in lent memory, of any effort; no slab is dense, so [`Effort::Dense`] is [`Effort::Default`] here.
     ///
     /// # Errors
-    /// [`LengthError`] if part of `memory` is too short.
+    /// [`EncodeError::Length`] if part of `memory` is too short, [`EncodeError::NotBuilt`] if this build lacks the effort.
     pub fn new(
         plan: &SlabPlan,
         codec: &'a mut Codec,
-        training: Option<&'a mut Training>,
+        effort: Effort<'a>,
         memory: SlabMemory<'a>,
-    ) -> Result<Self, LengthError> {
+    ) -> Result<Self, EncodeError> {
         memory.check(plan)?;
+        let effort = match effort {
+            Effort::Dense(_, training) => Effort::Default(training),
+            effort => effort,
+        };
+        if let Some(part) = effort.missing() {
+            return Err(EncodeError::NotBuilt(part));
+        }
         Ok(Self {
             plan: *plan,
             codec,
-            training,
+            effort,
             memory,
             first: plan.header(),
             first_given: 0,
@@ -137,15 +144,11 @@ impl<'a> SlabEncoder<'a> {
     fn encode(&mut self) {
         let slices = self.filled.checked_div(self.plan.slice()).unwrap_or(0);
         let plan = u32::try_from(slices).ok().and_then(|slices| self.plan.plan_of(slices));
-        let effort = match &mut self.training {
-            Some(training) => Effort::Default(training),
-            None => Effort::Fast,
-        };
         let SlabMemory { samples, scratch, bytes } = &mut self.memory;
         let samples = samples.get_mut(..self.filled).unwrap_or_default();
-        let encoded = plan
-            .map(|plan| self.codec.encode(effort, &plan, self.plan.sample_type(), samples, scratch, bytes));
-        // It cannot fail: samples and memory were checked.
+        let (effort, sample_type) = (self.effort.lend(), self.plan.sample_type());
+        let encoded = plan.map(|plan| self.codec.encode(effort, &plan, sample_type, samples, scratch, bytes));
+        // It cannot fail: effort, samples and memory were checked.
         self.encoded = encoded.and_then(Result::ok).unwrap_or(0);
         (self.encoded_given, self.filled) = (0, 0);
         self.announce(u32::try_from(self.encoded).unwrap_or(0));

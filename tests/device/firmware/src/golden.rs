@@ -1,6 +1,6 @@
 //! Golden vectors: decoded, compared, encoded again, compared.
 
-use fixture::{Effort, Recipe, VECTORS, Vector, crc32_of_samples};
+use fixture::{Recipe, VECTORS, Vector, crc32_of_samples};
 use wavelift_kernel::{DecodeError, EncodeError, Extent, Header, Near, Plan};
 
 use crate::memory::{Efforts, Parts};
@@ -44,9 +44,9 @@ pub(crate) fn run(parts: &mut Parts<'_>) -> bool {
 
 fn check(vector: &Vector, parts: &mut Parts<'_>) -> Outcome {
     if vector.bytes.starts_with(b"wS") {
-        #[cfg(feature = "streams")]
+        #[cfg(feature = "slabs")]
         return crate::streams::check(vector, parts);
-        #[cfg(not(feature = "streams"))]
+        #[cfg(not(feature = "slabs"))]
         return Outcome::Refused;
     }
     let decoded = match Header::parse(vector.bytes) {
@@ -97,17 +97,8 @@ fn encoded_len(recipe: Recipe, parts: &mut Parts<'_>) -> Option<Result<usize, En
     let Parts { codec, samples, scratch, bytes, efforts, .. } = parts;
     match recipe {
         Recipe::Coded { effort, wavelet, extent, levels, sample_type } => {
-            use wavelift_kernel::Effort as Lent;
             let plan = Plan::new(wavelet, Extent::new(extent).ok()?, levels).ok()?;
-            let effort = match (effort, efforts) {
-                (Effort::Light, _) => Lent::Light,
-                (Effort::Tabled, _) => Lent::Tabled,
-                (Effort::Wide, Some(efforts)) => Lent::Wide(&mut efforts.training),
-                (Effort::Fast, _) => Lent::Fast,
-                (Effort::Default, Some(efforts)) => Lent::Default(&mut efforts.training),
-                (Effort::Dense, Some(efforts)) => Lent::Dense(&mut efforts.dense, &mut efforts.training),
-                (_, None) => return None,
-            };
+            let effort = Efforts::lend(efforts.as_deref_mut(), effort)?;
             let samples = &mut samples[..plan.extent().samples()];
             Some(codec.encode(effort, &plan, sample_type, samples, scratch, bytes))
         }

@@ -12,9 +12,11 @@ mod board;
 mod file;
 mod golden;
 mod measure;
+#[cfg(feature = "slabs")]
+mod measure_streams;
 mod memory;
 mod meter;
-#[cfg(feature = "streams")]
+#[cfg(feature = "slabs")]
 mod streams;
 mod volume;
 
@@ -27,6 +29,10 @@ fn run(counter: board::Counter) -> ! {
     let meter = meter::Meter::new(counter);
     let mut passed = golden::run(&mut memory.parts());
     passed &= measure::run(&meter, &mut memory.parts());
+    #[cfg(feature = "slabs")]
+    {
+        passed &= measure_streams::run(&meter, &mut memory.parts());
+    }
     passed &= volume::run(&mut memory.parts());
     if passed {
         defmt::info!("passed");

@@ -1,10 +1,9 @@
 //! Instructions and stack of encoding and decoding a brick, and sizes of state.
 
 use fixture::{Effort, crc32, crc32_of_samples, fill_part};
-use wavelift_kernel::Effort as Lent;
-use wavelift_kernel::{Codec, Dense, Extent, Feature, Lattice, Plan, SampleType, Training, Wavelet};
+use wavelift_kernel::{Codec, Dense, EncodeError, Extent, Lattice, Plan, SampleType, Training, Wavelet};
 
-use crate::memory::Parts;
+use crate::memory::{Efforts, Parts};
 use crate::meter::Meter;
 
 /// Samples along each axis of the brick.
@@ -48,25 +47,18 @@ fn measure(
     let extent = Extent::new([SIDE; 3]).ok()?;
     let plan = Plan::new(wavelet, extent, levels).ok()?;
     let Parts { codec, samples, scratch, bytes, efforts, .. } = parts;
-    let lent = match (effort, efforts) {
-        (Effort::Tabled, _) if Feature::Tabled.is_built() => Lent::Tabled,
-        (Effort::Wide, Some(efforts)) if Feature::Tabled.is_built() && Feature::Trained.is_built() => {
-            Lent::Wide(&mut efforts.training)
-        }
-        (Effort::Light, _) if Feature::Light.is_built() => Lent::Light,
-        (Effort::Fast, _) if Feature::Adaptive.is_built() => Lent::Fast,
-        (Effort::Default, Some(efforts)) if Feature::Trained.is_built() => {
-            Lent::Default(&mut efforts.training)
-        }
-        _ => return None,
-    };
+    let lent = Efforts::lend(efforts.as_deref_mut(), effort)?;
     let samples = &mut samples[..extent.samples()];
     let scratch = &mut scratch[..plan.scratch_len()];
     fill_part([0; 3], extent.axes(), samples);
     let original = crc32_of_samples(samples);
     let (encoded, encoding) =
         meter.measure(|| codec.encode(lent, &plan, SampleType::U16, samples, scratch, bytes));
-    let Ok(len) = encoded else { return Some(false) };
+    let len = match encoded {
+        Err(EncodeError::NotBuilt(_)) => return None,
+        encoded => encoded.ok(),
+    };
+    let Some(len) = len else { return Some(false) };
     samples.fill(0);
     let (decoded, decoding) = meter.measure(|| codec.decode(&bytes[..len], samples, scratch));
     defmt::println!(

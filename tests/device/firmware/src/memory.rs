@@ -3,9 +3,10 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use fixture::Effort;
 #[cfg(feature = "streams")]
 use wavelift_kernel::stream::RowCodec;
-use wavelift_kernel::{Codec, Dense, Lattice, Training};
+use wavelift_kernel::{Codec, Dense, Effort as Lent, Lattice, Training};
 
 /// Samples of the largest brick or vector.
 pub(crate) const SAMPLES: usize = if cfg!(feature = "roomy") { fixture::VOLUME } else { 8 * 8 * 8 };
@@ -29,6 +30,21 @@ pub(crate) struct Efforts {
     pub(crate) training: Training,
     pub(crate) dense: Dense,
     pub(crate) lattice: Lattice,
+}
+
+impl Efforts {
+    /// An effort with what it takes; `None` if there is no memory for it.
+    pub(crate) fn lend(efforts: Option<&mut Self>, effort: Effort) -> Option<Lent<'_>> {
+        Some(match (effort, efforts) {
+            (Effort::Light, _) => Lent::Light,
+            (Effort::Tabled, _) => Lent::Tabled,
+            (Effort::Fast, _) => Lent::Fast,
+            (Effort::Wide, Some(efforts)) => Lent::Wide(&mut efforts.training),
+            (Effort::Default, Some(efforts)) => Lent::Default(&mut efforts.training),
+            (Effort::Dense, Some(efforts)) => Lent::Dense(&mut efforts.dense, &mut efforts.training),
+            (_, None) => return None,
+        })
+    }
 }
 
 /// Its parts.

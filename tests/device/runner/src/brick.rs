@@ -26,8 +26,7 @@ pub(crate) fn compare(log: &Log) -> Result<usize, String> {
 
 fn encode(brick: &BTreeMap<&str, &str>) -> Result<Vec<u8>, String> {
     let extent = Extent::new([number(brick, "side")?; 3]).map_err(|error| error.to_string())?;
-    let wavelet = Wavelet::ALL.into_iter().find(|wavelet| brick.get("wavelet") == Some(&wavelet.name()));
-    let wavelet = wavelet.ok_or("a brick of no wavelet")?;
+    let wavelet = wavelet(brick)?;
     let levels = number(brick, "levels")?.try_into().map_err(|_| "too many levels")?;
     let plan = Plan::new(wavelet, extent, levels).map_err(|error| error.to_string())?;
     let mut samples = vec![0; extent.samples()];
@@ -58,7 +57,14 @@ pub(crate) fn encode_samples(
     Ok(bytes)
 }
 
-fn number(brick: &BTreeMap<&str, &str>, key: &str) -> Result<u32, String> {
+/// The wavelet that a record names.
+pub(crate) fn wavelet(brick: &BTreeMap<&str, &str>) -> Result<Wavelet, String> {
+    let wavelet = Wavelet::ALL.into_iter().find(|wavelet| brick.get("wavelet") == Some(&wavelet.name()));
+    wavelet.ok_or_else(|| format!("no wavelet: {brick:?}"))
+}
+
+/// A number of a record.
+pub(crate) fn number(brick: &BTreeMap<&str, &str>, key: &str) -> Result<u32, String> {
     let value = brick.get(key).and_then(|value| value.parse().ok());
-    value.ok_or_else(|| format!("a brick without {key}: {brick:?}"))
+    value.ok_or_else(|| format!("no {key}: {brick:?}"))
 }

@@ -5,6 +5,7 @@
 mod board;
 mod brick;
 mod log;
+mod stream;
 mod volume;
 
 use std::path::Path;
@@ -37,7 +38,8 @@ fn run(board: &str, firmware: &Path) -> Result<(), String> {
         return Err("the firmware says that something failed, or did not come to its end".to_owned());
     }
     let bricks = brick::compare(&log)?;
+    let streams = stream::compare(&log)?;
     let entries = volume::compare(folder.path())?;
-    println!("host bricks={bricks} entries={entries}");
+    println!("host bricks={bricks} streams={streams} entries={entries}");
     Ok(())
 }

@@ -2,13 +2,11 @@
 
 use super::bands::Place;
 use super::fronts::lag;
+use super::header::{Bytes, Fields, MAX_BYTES, MAX_LEVELS, ROWS, Reader};
 use super::shelf::Shelf;
 use crate::extent::to_usize;
 use crate::transform::row_scratch_len;
-use crate::{Extent, Feature, PlanError, SampleType, Wavelet};
-
-/// Levels of a stream, at most.
-pub(super) const MAX_LEVELS: u8 = 31;
+use crate::{DecodeError, Extent, Feature, Malformed, PlanError, SampleType, Wavelet};
 
 /// Samples in a strip, unless something else is asked for.
 const STRIP_SAMPLES: u32 = 1 << 13;
@@ -101,7 +99,32 @@ impl RowPlan {
     }
 
     /// Bytes that any stream of rows begins with, at most.
-    pub const MAX_HEADER_BYTES: usize = super::header::MAX_BYTES;
+    pub const MAX_HEADER_BYTES: usize = MAX_BYTES;
+
+    /// Reads the header of a stream of rows at the beginning of `bytes`; returns what it says and how long it is, at
+    /// most [`RowPlan::MAX_HEADER_BYTES`]. What follows it is not looked at.
+    ///
+    /// # Errors
+    /// [`DecodeError::Truncated`] if `bytes` ends first, [`DecodeError::OtherCodec`] if it is the header of a stream
+    /// of slabs, [`DecodeError::NotBuilt`] if this build lacks its wavelet; otherwise what is wrong with it.
+    pub fn parse(bytes: &[u8]) -> Result<(Self, usize), DecodeError> {
+        let mut reader = Reader::new(bytes);
+        let Fields { sample_type, wavelet, levels } = reader.fields(ROWS)?;
+        let (width, strip) = (reader.number()?, reader.number()?);
+        let wavelet = wavelet.unwrap_or(Wavelet::Haar);
+        let plan = Self::new(wavelet, width, levels, sample_type).map_err(PlanError::in_header)?;
+        match u16::try_from(strip) {
+            Ok(strip) if strip > 0 => Ok((plan.with_strip(strip), reader.taken())),
+            _ => Err(Malformed::Reserved.into()),
+        }
+    }
+
+    /// The header of a stream of such rows.
+    pub(in crate::stream) fn header(&self) -> Bytes {
+        let wavelet = (self.levels() > 0).then(|| self.wavelet());
+        let fields = Fields { sample_type: self.sample_type(), wavelet, levels: self.levels() };
+        fields.write(ROWS, &[self.width(), self.strip()])
+    }
 
     /// `i32`s of memory that a [`RowEncoder`](super::RowEncoder) takes.
     ///

@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 use super::*;
 use crate::lifting::Direction;
-use crate::stream::fronts::{Fronts, Passes};
+use crate::stream::rows::fronts::{Fronts, Passes};
 
 /// What stands for one in the lines, so that what is rounded does not matter.
 const ONE: i32 = 1 << 20;

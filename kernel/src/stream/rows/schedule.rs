@@ -2,7 +2,8 @@
 //! makes known on the next level.
 
 use super::fronts::{Change, Fronts, Passes};
-use super::plan::{MAX_LEVELS, RowPlan};
+use super::header::MAX_LEVELS;
+use super::plan::RowPlan;
 use crate::lifting::Direction;
 
 /// Levels, as a length.
