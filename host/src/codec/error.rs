@@ -13,7 +13,7 @@ use crate::volume::{ElementType, Fault, ReadError, WriteError, in_words};
 #[non_exhaustive]
 pub enum CompressError {
     /// A brick side is 0, or the brick too large.
-    #[error("bricks of {}x{}x{} samples are not possible: give --brick sides of at least 1 with at most 2^27 samples", .0[0], .0[1], .0[2])]
+    #[error("bricks of {}x{}x{} samples are not possible: give sides of at least 1 with at most 2^27 samples", .0[0], .0[1], .0[2])]
     BrickSides([u32; 3]),
     /// A data set without values, or with more than can be counted.
     #[error(
@@ -35,7 +35,7 @@ pub enum CompressError {
         max: u8,
     },
     /// Levels were asked for without a transform, or a transform without levels.
-    #[error("--wavelet {wavelet} and --levels {levels} contradict each other")]
+    #[error("wavelet {wavelet} and {levels} levels contradict each other")]
     Contradiction {
         /// The wavelet asked for.
         wavelet: &'static str,
@@ -243,7 +243,7 @@ pub enum ContainerError {
         level: u8,
     },
     /// The samples do not fit into memory.
-    #[error("{bytes} bytes of samples do not fit into memory: read a --region or a --level of the volume")]
+    #[error("{bytes} bytes of samples do not fit into memory: read a region or a level of the volume")]
     OutOfMemory {
         /// Bytes that were asked for.
         bytes: u64,
