@@ -211,7 +211,7 @@ impl<'a> Compressor<'a> {
         Gathered::new(bytes, self.memory / 2)
     }
 
-    fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> Layout {
         let Head { extent, components, element, .. } = self.head;
         Layout { extent, components, size: element.bytes() }
     }

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::brick::Unencodable;
-use super::{Brick, Place};
+use super::{Brick, Place, Region};
 use crate::progress::Stopped;
 use crate::volume::{ElementType, Fault, ReadError, WriteError, in_words};
 
@@ -43,9 +43,9 @@ pub enum CompressError {
         levels: u8,
     },
     /// The samples are not those of the extent.
-    #[error("the volume has {actual} bytes of samples where its extent and type make {expected}")]
+    #[error("there are {actual} bytes of values where extent, components and type make {expected}")]
     SampleBytes {
-        /// Bytes by extent and type.
+        /// Bytes by extent, components and type.
         expected: u64,
         /// Bytes there are.
         actual: u64,
@@ -103,6 +103,23 @@ pub enum CompressError {
         /// Bytes of the last.
         found: u64,
     },
+    /// A region that is not inside the volume, or holds nothing.
+    #[error("region {region} is not inside the volume of {}x{}x{} samples", extent[0], extent[1], extent[2])]
+    OutsideVolume {
+        /// The region.
+        region: Region,
+        /// Extent of the volume.
+        extent: [u64; 3],
+    },
+    /// A region with samples that were written already.
+    #[error("region {region} meets another that was written in this time step already")]
+    WrittenBefore {
+        /// The region.
+        region: Region,
+    },
+    /// Values in order and values of regions in one time step.
+    #[error("values in order and values of regions cannot be written to the same time step")]
+    MixedOrder,
     /// Something went wrong before.
     #[error("nothing can be written after an error")]
     AfterError,
@@ -175,7 +192,7 @@ pub enum ContainerError {
         cause: &'static str,
     },
     /// A brick contradicts its checksum or cannot be decoded.
-    #[error("damaged: {} (samples {}): {cause}", name_of(place), super::Region::from(*brick))]
+    #[error("damaged: {} (samples {}): {cause}", name_of(place), Region::from(*brick))]
     Brick {
         /// Which one it is.
         place: Place,
@@ -230,7 +247,7 @@ pub enum ContainerError {
     #[error("region {region} is not inside the volume of {}x{}x{} samples", extent[0], extent[1], extent[2])]
     NoSuchRegion {
         /// The region asked for.
-        region: super::Region,
+        region: Region,
         /// Extent of the volume.
         extent: [u64; 3],
     },
@@ -238,7 +255,7 @@ pub enum ContainerError {
     #[error("region {region} holds no sample of level {level}, which has one in {} along each axis", 1_u64 << level)]
     NoSampleInRegion {
         /// The region asked for.
-        region: super::Region,
+        region: Region,
         /// The level asked for.
         level: u8,
     },
