@@ -48,6 +48,9 @@ impl Failure {
                     "{error}: `wavelift compress` makes one of it, `wavelift convert` and `preview` read it"
                 ),
             ),
+            damage if damage.is_damage() => {
+                Self::at(path, error.kind(), format_args!("{error}: `wavelift repair` saves what is whole"))
+            }
             _ => Self::at(path, error.kind(), error),
         }
     }

@@ -59,8 +59,15 @@ pub enum CompressError {
         components: u32,
     },
     /// A time step of another kind than those that are there.
-    #[error("cannot follow the time steps of the file: {0}")]
-    OtherSteps(String),
+    #[error("cannot follow the time steps of {file}: they hold {there}, the input {given}")]
+    OtherSteps {
+        /// The file that they are in, as far as it has a name.
+        file: String,
+        /// Extent, type and components there, `64x64x93 of u16`.
+        there: String,
+        /// The same of the input.
+        given: String,
+    },
     /// The container that time steps are to follow cannot be read.
     #[error(transparent)]
     Container(#[from] ContainerError),

@@ -97,7 +97,7 @@ impl<'a> StepWriter<'a> {
         progress: Progress<'a>,
     ) -> Result<Self, CompressError> {
         let container = Container::open(&path)?;
-        refuse_others(container.head(), header)?;
+        refuse_others(container.head(), header).map_err(|error| at(path.as_ref(), error))?;
         let begin = |file| resumed(&container, file);
         Self::begin(path.as_ref(), container.head(), options, (progress, &begin))
     }

@@ -150,7 +150,12 @@ fn steps_follow_those_of_a_file() {
 
     let other = Header { components: 1, ..third };
     let refused = StepWriter::append(&pieces, &other, &options, &ignore);
-    assert!(matches!(refused, Err(CompressError::OtherSteps(_))));
+    let told = refused.unwrap_err().to_string();
+    assert!(told.contains("pieces: they hold 13x9x5 u16 of 2 components, the input 13x9x5 u16"), "{told}");
+    assert!(matches!(
+        append_file(&longer, &mut InMemory::of(other, bytemuck::cast_slice(&last[..585])).unwrap(), &options, &ignore),
+        Err(CompressError::OtherSteps { file, .. }) if file.ends_with("longer")
+    ));
     let missing = append_file(folder.path().join("none"), &mut source, &options, &ignore).unwrap_err();
     assert_eq!(missing.kind(), Fault::Io);
     assert!(missing.to_string().contains("none: cannot read: "), "{missing}");
