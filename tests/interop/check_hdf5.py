@@ -88,11 +88,11 @@ def check_choice():
     refused = run("convert", "two.h5", "out.npy")
     if refused.returncode != 3 or '"a", "b"' not in refused.stderr:
         sys.exit(f"two fields: {refused.stderr}")
-    with h5py.File("blosc.h5", "w") as file:
-        file.create_dataset("a", data=array, **hdf5plugin.Blosc())
-    refused = run("convert", "blosc.h5", "out.npy")
+    with h5py.File("bzip2.h5", "w") as file:
+        file.create_dataset("a", data=array, **hdf5plugin.BZip2())
+    refused = run("convert", "bzip2.h5", "out.npy")
     if refused.returncode != 3 or "h5repack" not in refused.stderr:
-        sys.exit(f"Blosc: {refused.stderr}")
+        sys.exit(f"bzip2: {refused.stderr}")
 
 
 def check_codings():
@@ -102,6 +102,9 @@ def check_codings():
         {"compression": "szip"},
         {"scaleoffset": 0},
         hdf5plugin.LZ4(),
+        hdf5plugin.Blosc(cname="lz4", shuffle=hdf5plugin.Blosc.SHUFFLE),
+        hdf5plugin.Blosc(cname="zstd", shuffle=hdf5plugin.Blosc.BITSHUFFLE),
+        hdf5plugin.Blosc(cname="blosclz", shuffle=hdf5plugin.Blosc.NOSHUFFLE),
         hdf5plugin.Zstd(),
         hdf5plugin.Bitshuffle(cname="none"),
         hdf5plugin.Bitshuffle(cname="lz4"),

@@ -1,4 +1,4 @@
-//! Codings of chunks that programs bring along: LZF, bitshuffle and Zstandard.
+//! Codings of chunks that programs bring along: LZF, Blosc, bitshuffle and Zstandard.
 //!
 //! Sources: the list of registered filters of The HDF Group for their numbers; *LibLZF* (M. Lehmann) as h5py has it; K.
 //! Masui et al., *A compression scheme for radio data in high performance computing* (Astronomy and Computing 12, 2015)
@@ -10,8 +10,12 @@ use std::io::Read;
 use hdf5_reader::FilterRegistry;
 use hdf5_reader::error::Error;
 use ruzstd::decoding::StreamingDecoder;
+#[cfg(feature = "zarr")]
+use zarrs::array::codec::{blosc_decompress_bytes, blosc_validate};
 
 const LZF: u16 = 32_000;
+#[cfg(feature = "zarr")]
+const BLOSC: u16 = 32_001;
 const BITSHUFFLE: u16 = 32_008;
 const ZSTD: u16 = 32_015;
 
@@ -31,6 +35,8 @@ const LZ4_RATIO: usize = 255;
 pub(super) fn registry(most: usize) -> FilterRegistry {
     let mut registry = FilterRegistry::new();
     registry.register(LZF, Box::new(move |_, bytes, _| told("LZF", lzf(bytes, most))));
+    #[cfg(feature = "zarr")]
+    registry.register(BLOSC, Box::new(move |_, bytes, _| told("Blosc", blosc(bytes, most))));
     registry.register(ZSTD, Box::new(move |_, bytes, _| told("Zstandard", zstd(bytes, most))));
     let shuffled = move |said: &[u32], bytes: &[u8], size: usize| bitshuffle(said, bytes, size, most);
     registry.register(
@@ -79,6 +85,13 @@ fn zstd(bytes: &[u8], most: usize) -> Option<Vec<u8>> {
     let decoder = StreamingDecoder::new(bytes).ok()?;
     decoder.take(most as u64 + 1).read_to_end(&mut out).ok()?;
     (out.len() <= most).then_some(out)
+}
+
+/// Decodes with the library that Zarr's chunks are decoded with; where Zarr is left out, so is this.
+#[cfg(feature = "zarr")]
+fn blosc(bytes: &[u8], most: usize) -> Option<Vec<u8>> {
+    let len = blosc_validate(bytes).filter(|&len| len <= most)?;
+    blosc_decompress_bytes(bytes, len, 1).ok()
 }
 
 /// Decodes a block that has so many bytes then.
@@ -216,5 +229,17 @@ mod tests {
         assert_eq!(zstd(&coded, 1000).unwrap(), [7; 1000]);
         assert_eq!(zstd(&coded, 999), None);
         assert_eq!(lz4(&[0; 9], 1 << 40), None);
+    }
+
+    #[cfg(feature = "zarr")]
+    #[test]
+    fn blosc_is_looked_through_first() {
+        // Stored as it is: version 2, shuffled by nothing, values of one byte; 5 bytes in a block of 5, 21 in all.
+        let coded = [&[2, 1, 0x02, 1][..], &[5, 0, 0, 0, 5, 0, 0, 0, 21, 0, 0, 0], b"abcde"].concat();
+        assert_eq!(blosc(&coded, 5).unwrap(), b"abcde");
+        assert_eq!(blosc(&coded, 4), None);
+        for end in 0..coded.len() {
+            assert_eq!(blosc(&coded[..end], 5), None, "{end}");
+        }
     }
 }
