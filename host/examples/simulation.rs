@@ -13,7 +13,7 @@ use wavelift_host::bound::Tolerance;
 use wavelift_host::codec::{CompressError, CompressOptions, Container, Label, Part, StepWriter, append_file};
 use wavelift_host::ndarray::Array3;
 use wavelift_host::progress::{Progress, ignore};
-use wavelift_host::volume::{ElementType, FileFormat, Header, Metadata};
+use wavelift_host::volume::{ElementType, Header, Metadata};
 
 /// Cells along each axis.
 const SIDE: usize = 48;
@@ -61,7 +61,7 @@ fn run(
     options: &CompressOptions,
     progress: Progress<'_>,
 ) -> Result<(), CompressError> {
-    let mut metadata = Metadata::plain(3, FileFormat::Raw);
+    let mut metadata = Metadata::default();
     metadata.set_field("sample units", "K");
     let header = Header::scalar([SIDE as u64; 3], ElementType::F32, metadata);
     let mut file = StepWriter::create(path, &header, options, progress)?;

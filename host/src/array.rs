@@ -11,6 +11,7 @@ use ndarray::{Array3, Array5, ArrayView3, ArrayView5, ArrayViewMut3, Axis};
 
 use crate::codec::{CompressError, CompressOptions, Container, ContainerError, Part, compress_stream};
 use crate::progress::{Progress, ignore};
+use crate::volume::sample::each_f64;
 use crate::volume::{ElementType, Fault, FileFormat, Geometry, Header, InMemory, Metadata, Sample, Volume};
 
 /// Why samples cannot be in an array.
@@ -76,6 +77,22 @@ impl Container {
         let shape = volume_shape(&header)?;
         let values = self.read_vec(&header, part, threads, progress)?;
         Array3::from_shape_vec(shape, values).map_err(|_| wrong_shape(&shape, &[]))
+    }
+
+    /// As [`Container::read_array`], whatever the type, as numbers in double precision: exact but for integers beyond
+    /// 2^53. A slope or intercept that a file gave of its values is not applied.
+    ///
+    /// # Errors
+    /// As [`Container::read_array`], but for another type.
+    ///
+    /// Cost: the samples are in memory twice, as they are and as numbers.
+    pub fn read_numbers(
+        &self,
+        part: &Part,
+        threads: Option<NonZeroUsize>,
+        progress: Progress<'_>,
+    ) -> Result<Array3<f64>, ArrayError> {
+        self.read(part, threads, progress)?.to_numbers()
     }
 
     /// Reads any part into an array of the shape `[step, z, y, x, component]`.
@@ -304,7 +321,8 @@ impl<'a> Samples<'a> {
     }
 }
 
-fn little_endian<T: Sample>(values: &[T]) -> Cow<'_, [u8]> {
+/// The bytes of values, little-endian.
+pub(crate) fn little_endian<T: Sample>(values: &[T]) -> Cow<'_, [u8]> {
     if cfg!(target_endian = "little") {
         Cow::Borrowed(cast_slice(values))
     } else {
@@ -328,6 +346,31 @@ impl Volume {
         let values: Vec<T> = values.map(|value| T::of_little(bytemuck::pod_read_unaligned(value))).collect();
         let found = values.len();
         Array3::from_shape_vec((z, y, x), values).map_err(|_| wrong_shape(&[z, y, x], &[found]))
+    }
+
+    /// The samples, whatever their type, as numbers in double precision, of the shape `[z, y, x]`: exact but for integers
+    /// beyond 2^53. A slope or intercept that a file gave of its values is not applied.
+    ///
+    /// ```
+    /// use wavelift_host::volume;
+    ///
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("head.nrrd");
+    /// # let made = volume::synthetic::generate(volume::synthetic::Kind::Waves, [9, 8, 7], volume::ElementType::I16, 1);
+    /// # volume::write(&made, &path, &volume::WriteOptions::default())?;
+    /// let numbers = volume::read(&path, None)?.to_numbers()?;
+    /// assert_eq!(numbers.dim(), (7, 8, 9));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ArrayError::WrongShape`]: samples of another number than the extent says.
+    pub fn to_numbers(&self) -> Result<Array3<f64>, ArrayError> {
+        let mut numbers = Vec::with_capacity(self.samples.len() / self.element.bytes());
+        each_f64(self.element, &self.samples, &mut |number| numbers.push(number));
+        let [x, y, z] = self.extent.map(|count| usize::try_from(count).unwrap_or(usize::MAX));
+        let found = numbers.len();
+        Array3::from_shape_vec((z, y, x), numbers).map_err(|_| wrong_shape(&[z, y, x], &[found]))
     }
 }
 

@@ -15,9 +15,7 @@ pub enum TransformError {
     #[error(transparent)]
     NotIntegers(#[from] NotIntegers),
     /// Coefficients of another type than `i32`.
-    #[error(
-        "coefficients are i32, but the file holds {element}: give what the transform without --inverse wrote"
-    )]
+    #[error("coefficients are i32, but these samples are {element}: give what the forward transform made")]
     NotCoefficients {
         /// Type of the samples.
         element: ElementType,

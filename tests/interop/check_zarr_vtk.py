@@ -15,7 +15,7 @@ import sys
 import meshio
 import numpy as np
 import zarr
-from numcodecs import BZ2, Blosc, GZip, Zlib, Zstd
+from numcodecs import Adler32, BZ2, Blosc, FixedScaleOffset, Fletcher32, GZip, Shuffle, Zlib, Zstd
 
 try:
     import vtk
@@ -83,6 +83,24 @@ def check_zarr_arrays():
         made[:] = array
         convert("in.zarr", "out.npy")
         equal(f"version 2, {name}, {order}, {layout}", np.load("out.npy"), array)
+
+
+def check_zarr_filters():
+    old = {"u2": [Shuffle(2), Fletcher32()], "f8": [FixedScaleOffset(100, 1000, "f8", "i4")]}
+    for (dtype, filters), codec in itertools.product(old.items(), [Zlib(), Adler32(), None]):
+        array = (np.random.default_rng(1).integers(0, 60000, (7, 6, 5)) / (100 if dtype == "f8" else 1)).astype(dtype)
+        made = zarr.create_array("in.zarr", shape=array.shape, dtype=dtype, chunks=(2, 3, 4), zarr_format=2,
+                                 filters=filters, compressors=codec, overwrite=True)
+        made[:] = array
+        convert("in.zarr", "out.npy")
+        equal(f"version 2, {filters}, {codec}", np.load("out.npy"), made[:])
+    array = volume("f4")
+    made = zarr.create_array("in.zarr", shape=array.shape, dtype="f4", chunks=(2, 3, 4), overwrite=True,
+                             filters=[zarr.codecs.numcodecs.BitRound(keepbits=10)],
+                             compressors=[zarr.codecs.numcodecs.Shuffle(elementsize=4), zarr.codecs.numcodecs.Fletcher32()])
+    made[:] = array
+    convert("in.zarr", "out.npy")
+    equal("version 3, rounded", np.load("out.npy"), made[:])
 
 
 def check_ome():
@@ -188,6 +206,7 @@ def check_vtk():
             found = vtk_read("out.vti").GetDirectionMatrix()
             if [found.GetElement(0, 1), found.GetElement(1, 0)] != [1, 1]:
                 sys.exit(f"{what}: direction")
+    check_pieces()
     writer = vtk.vtkStructuredPointsWriter()
     for dtype, of_cells in itertools.product(TYPES, [False, True]):
         for is_text in [False, True]:
@@ -199,6 +218,32 @@ def check_vtk():
             writer.Write()
             convert("in.vtk", "out.vtk")
             same_image(f".vtk {dtype} text {is_text} cells {of_cells}", vtk_read("out.vtk"), vtk_read("in.vtk"))
+
+
+def check_pieces():
+    source = vtk.vtkRTAnalyticSource()
+    source.SetWholeExtent(-3, 8, 0, 7, 2, 9)
+    cells = vtk.vtkPointDataToCellData()
+    cells.SetInputConnection(source.GetOutputPort())
+    for made, mode, ghosts in itertools.product([source, cells], ["Ascii", "Binary", "Appended"], [0, 1]):
+        made.UpdateWholeExtent()
+        image, of_cells = made.GetOutput(), made is cells
+        data = (image.GetCellData() if of_cells else image.GetPointData()).GetArray("RTData")
+        array = vtk_to_numpy(data).reshape([count - of_cells for count in image.GetDimensions()[::-1]])
+        for name, writer in [("in.vti", vtk.vtkXMLImageDataWriter()), ("in.pvti", vtk.vtkXMLPImageDataWriter())]:
+            writer.SetInputConnection(made.GetOutputPort())
+            getattr(writer, f"SetDataModeTo{mode}")()
+            writer.SetFileName(name)
+            writer.SetNumberOfPieces(5)
+            if name == "in.pvti":
+                writer.SetStartPiece(0)
+                writer.SetEndPiece(4)
+                writer.SetGhostLevel(ghosts)
+            writer.Write()
+            if open(name, "rb").read().count(b"<Piece") != 5:
+                sys.exit(f"{name} is not in five pieces")
+            convert(f"{name}#RTData", "out.npy")
+            equal(f"{name} {mode} cells {of_cells} ghosts {ghosts}", np.load("out.npy"), array)
 
 
 def check_data(data):
@@ -219,7 +264,7 @@ def main():
     parser.add_argument("--data", type=pathlib.Path)
     arguments = parser.parse_args()
     WAVELIFT = str(pathlib.Path(arguments.wavelift).resolve())
-    checks = [check_zarr_arrays, check_ome, check_meshio] + ([check_vtk] if vtk else [])
+    checks = [check_zarr_arrays, check_zarr_filters, check_ome, check_meshio] + ([check_vtk] if vtk else [])
     for check in checks:
         check()
         print(f"{check.__name__}: equal")

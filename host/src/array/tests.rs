@@ -40,6 +40,19 @@ fn arrays_come_back_whole_and_in_parts() {
 }
 
 #[test]
+fn numbers_come_of_any_type() {
+    let array = numbered();
+    let volume = Samples::of_array(array.view()).unwrap().to_volume().unwrap();
+    let numbers = array.mapv(f64::from);
+    assert_eq!(volume.to_numbers().unwrap(), numbers);
+    let part = region([1, 2, 3], [6, 4, 5]);
+    let found = stored(&volume).read_numbers(&part, None, &ignore).unwrap();
+    assert_eq!(found, numbers.slice(s![3..5, 2..4, 1..6]));
+    let short = Volume { samples: vec![0; 8], ..volume };
+    assert!(matches!(short.to_numbers(), Err(ArrayError::WrongShape { .. })));
+}
+
+#[test]
 fn views_of_larger_arrays_are_filled() {
     let array = numbered();
     let container = stored(&Samples::of_array(array.view()).unwrap().to_volume().unwrap());

@@ -23,9 +23,12 @@ impl Tolerance {
     /// At most `fraction` of the range of the finite values of the whole volume.
     ///
     /// # Errors
-    /// [`BoundError`], unless `fraction` is finite and above 0.
+    /// [`BoundError`], unless `fraction` is above 0 and below 1.
     pub fn relative(fraction: f64) -> Result<Self, BoundError> {
-        Ok(Self { bound: checked(fraction)?, is_relative: true })
+        match checked(fraction)? {
+            bound if bound >= 1.0 => Err(BoundError::NoPart(bound)),
+            bound => Ok(Self { bound, is_relative: true }),
+        }
     }
 
     /// The bound for samples of that range, which is 0 where there is no room at all.
@@ -110,6 +113,8 @@ mod tests {
             assert_eq!(make(f64::INFINITY), Err(BoundError::Infinite));
             assert!(make(f64::from_bits(1)).is_ok());
         }
+        assert_eq!(Tolerance::relative(1.0), Err(BoundError::NoPart(1.0)));
+        assert!(Tolerance::absolute(1.0).is_ok());
     }
 
     #[test]
@@ -130,6 +135,6 @@ mod tests {
         let widest = FiniteRange::of([f64::MAX, f64::MIN]);
         let error = relative.resolve(widest).unwrap();
         assert!(error.is_finite() && error > 1.9e-3 * f64::MAX);
-        assert!(Tolerance::relative(10.0).unwrap().resolve(widest).unwrap().is_finite());
+        assert!(Tolerance::relative(0.99).unwrap().resolve(widest).unwrap().is_finite());
     }
 }

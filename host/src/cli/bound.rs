@@ -15,7 +15,7 @@ pub(crate) struct BoundArgs {
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = absolute)]
     #[arg(conflicts_with = "relative_error")]
     pub(crate) max_error: Option<Tolerance>,
-    /// Let no sample move by more than R times the range of the finite values of the volume
+    /// Let no sample move by more than R times the range of the finite values of the volume: 0.01 for a hundredth
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = relative)]
     pub(crate) relative_error: Option<Tolerance>,
 }

@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn data_sets_are_told_in_words() {
-        let metadata = Metadata::plain(3, FileFormat::Raw);
+        let metadata = Metadata::default();
         let mut header = Header::scalar([4, 3, 2], ElementType::U16, metadata);
         assert_eq!((in_words(&header).as_str(), samples(&header)), ("4x3x2 u16", 24));
         (header.components, header.steps) = (3, 5);

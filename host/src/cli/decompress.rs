@@ -44,7 +44,7 @@ pub(crate) struct Args {
     pub(crate) level: u8,
     /// Samples from X0 up to but without X1, and so on, counted at full resolution; axes left out at the end are
     /// taken whole
-    #[arg(long, value_name = "X0:X1,Y0:Y1,Z0:Z1")]
+    #[arg(long, allow_hyphen_values = true, value_name = "X0:X1,Y0:Y1,Z0:Z1")]
     pub(crate) region: Option<Region>,
     /// Time step, the first is 0 [default: all]
     #[arg(long, value_name = "N")]

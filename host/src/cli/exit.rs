@@ -48,6 +48,9 @@ impl Failure {
                     "{error}: `wavelift compress` makes one of it, `wavelift convert` and `preview` read it"
                 ),
             ),
+            damage if damage.is_damage() => {
+                Self::at(path, error.kind(), format_args!("{error}: `wavelift repair` saves what is whole"))
+            }
             _ => Self::at(path, error.kind(), error),
         }
     }
@@ -74,7 +77,12 @@ impl Failure {
 
 impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
-        Self::new(error.kind(), error)
+        let advice = match error {
+            ReadError::NoLayout { .. } => ", with --extent XxYxZ and --type T",
+            ReadError::NotScalar { .. } => ": `wavelift compress` and `wavelift convert` take all of them",
+            _ => "",
+        };
+        Self::new(error.kind(), format_args!("{error}{advice}"))
     }
 }
 
@@ -87,6 +95,7 @@ impl From<WriteError> for Failure {
 impl From<CompressError> for Failure {
     fn from(error: CompressError) -> Self {
         match error {
+            CompressError::Read(error) => error.into(),
             CompressError::Container(ContainerError::Open { path, cause }) => {
                 Self::of_container(&path, &cause)
             }
@@ -97,7 +106,10 @@ impl From<CompressError> for Failure {
 
 impl From<CopyError> for Failure {
     fn from(error: CopyError) -> Self {
-        Self::new(error.kind(), error)
+        match error {
+            CopyError::Read(error) => error.into(),
+            other => Self::new(other.kind(), other),
+        }
     }
 }
 
@@ -115,5 +127,6 @@ mod tests {
         let missing = Failure::from(ReadError::NoLayout { path: path.to_owned() });
         assert_eq!(missing.code(), 2);
         assert!(missing.message.starts_with("field.raw: "));
+        assert!(missing.message.ends_with("give its layout, with --extent XxYxZ and --type T"));
     }
 }

@@ -46,7 +46,7 @@ Files that are read and written, by their names:
   .npy .npz                NumPy arrays; .npz is read only
   .tif .tiff               TIFF of one page or many, BigTIFF, ImageJ, OME-TIFF
   .png .pgm .ppm .pfm      slices
-  .vti .vtk                VTK images
+  .vti .pvti .vtk          VTK images
   .zarr .ome.zarr          Zarr 2 and 3, OME-Zarr
   .h5 .nc, FILE#VARIABLE   HDF5 and NetCDF, which are read only
   any other                raw samples, which need --extent and --type

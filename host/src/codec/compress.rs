@@ -159,7 +159,7 @@ pub(super) fn refuse_others(head: &Head, header: &Header) -> Result<(), Compress
     if there == given {
         return Ok(());
     }
-    Err(CompressError::OtherSteps(format!("they hold {there}, the input {given}")))
+    Err(CompressError::OtherSteps { file: "the file".to_owned(), there, given })
 }
 
 /// What is the same for all steps that are compressed.
@@ -211,7 +211,7 @@ impl<'a> Compressor<'a> {
         Gathered::new(bytes, self.memory / 2)
     }
 
-    fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> Layout {
         let Head { extent, components, element, .. } = self.head;
         Layout { extent, components, size: element.bytes() }
     }
@@ -267,7 +267,8 @@ impl<'a> Compressor<'a> {
         let mut surveys: Vec<Survey> =
             (0..layout.components).map(|_| Survey::new(self.head.element, samples)).collect();
         let mut hasher = crc32fast::Hasher::new();
-        let piece = (PIECE_BYTES / layout.sample()).max(1);
+        let enough = u64::from(LOOK_SAMPLES) * LOOKS_AT_ONCE * self.pool.count() as u64;
+        let piece = (PIECE_BYTES / layout.sample()).clamp(1, enough);
         let wanted = (0..samples).step_by(piece as usize).map(move |first| {
             let last = (first + piece).min(samples);
             (last - first, std::iter::once(first * layout.sample()..last * layout.sample()).collect())
@@ -327,8 +328,11 @@ impl<'a> Compressor<'a> {
     }
 }
 
-/// Bytes that are read at once to be looked through.
+/// Bytes that are read at once to be looked through, at most.
 const PIECE_BYTES: u64 = 1 << 22;
+
+/// How often each thread looks through samples that were read at once: few threads read so little that it stays near.
+const LOOKS_AT_ONCE: u64 = 4;
 
 /// Samples that one thread looks through at once.
 const LOOK_SAMPLES: u32 = 1 << 17;

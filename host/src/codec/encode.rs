@@ -16,8 +16,11 @@ use super::{Brick, CompressError, Grid, Pool, Progress};
 use crate::progress::tell;
 use crate::volume::ElementType;
 
-/// Bricks that are coded or wait for those before them, per thread.
+/// Jobs that are done or wait for those before them, per thread.
 const IN_FLIGHT: u64 = 4;
+
+/// Samples of the bricks of a job, if one brick has no more: to code fewer takes no longer than to hand them over.
+const JOB_SAMPLES: u64 = 1 << 14;
 
 /// A step that is to be coded.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +36,11 @@ pub(super) struct Job<'a> {
     pub(super) most: u64,
 }
 
-/// A brick that was coded, and its number among all of the step.
-type Done = (u64, Place, Result<Encoded, Unencodable>);
+/// Bricks that follow each other.
+type Coded = Vec<(Place, Encoded)>;
+
+/// Bricks that were coded in one job, and its number among all of the step.
+type Done = (u64, Result<Coded, Unencodable>);
 
 impl Job<'_> {
     /// Codes all bricks. Returns the checksum of all values, where they are read in their order.
@@ -62,15 +68,16 @@ impl Job<'_> {
                         hasher.update(&values);
                     }
                     let values = Arc::new(values);
-                    for place in self.places(unit) {
+                    for places in self.jobs(unit) {
                         line.wait(most)?;
                         let (number, done) = line.enter();
                         let values = Arc::clone(&values);
                         jobs.begin(move || {
-                            let coded = self.code(unit, &values, place, pool);
+                            let code = |place| Ok((place, self.code(unit, &values, place, pool)?));
+                            let coded = places.into_iter().map(code).collect();
                             drop(values);
                             // Nobody waits for it once another has failed.
-                            let _ = done.send((number, place, coded));
+                            let _ = done.send((number, coded));
                         });
                     }
                 }
@@ -79,6 +86,15 @@ impl Job<'_> {
             })
         })?;
         Ok(is_in_order.then_some(crc))
+    }
+
+    /// The bricks of a unit, in jobs.
+    fn jobs(&self, unit: Unit) -> impl Iterator<Item = Vec<Place>> + use<> {
+        let brick: u64 = self.grid.sides.into_iter().map(u64::from).product();
+        let count = (JOB_SAMPLES / brick).max(1) as usize;
+        let mut places = self.places(unit);
+        std::iter::from_fn(move || Some(places.by_ref().take(count).collect::<Vec<Place>>()))
+            .take_while(|places| !places.is_empty())
     }
 
     /// The bricks of a unit, with all components.
@@ -110,7 +126,7 @@ struct Line<'a, W> {
     entered: u64,
     written: u64,
     /// Those that came before others that they have to wait for.
-    early: BTreeMap<u64, (Place, Encoded)>,
+    early: BTreeMap<u64, Coded>,
 }
 
 impl<'a, W: Write> Line<'a, W> {
@@ -118,20 +134,20 @@ impl<'a, W: Write> Line<'a, W> {
         Self { job, writer, progress, done: channel(), entered: 0, written: 0, early: BTreeMap::new() }
     }
 
-    /// The number of the next brick, and where to send it.
+    /// The number of the next job, and where to send its bricks.
     fn enter(&mut self) -> (u64, Sender<Done>) {
         self.entered += 1;
         (self.entered - 1, self.done.0.clone())
     }
 
-    /// Writes bricks until fewer than `most` are on their way.
+    /// Writes bricks until fewer than `most` jobs are on their way.
     fn wait(&mut self, most: u64) -> Result<(), CompressError> {
         while self.entered - self.written >= most.max(1) {
             // There is always a sender here.
-            let Ok((number, place, coded)) = self.done.1.recv() else { return Ok(()) };
-            self.early.insert(number, (place, coded?));
-            while let Some((place, coded)) = self.early.remove(&self.written) {
-                self.write(place, &coded)?;
+            let Ok((number, coded)) = self.done.1.recv() else { return Ok(()) };
+            self.early.insert(number, coded?);
+            while let Some(coded) = self.early.remove(&self.written) {
+                coded.iter().try_for_each(|(place, coded)| self.write(*place, coded))?;
                 self.written += 1;
             }
         }

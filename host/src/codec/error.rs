@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::brick::Unencodable;
-use super::{Brick, Place};
+use super::{Brick, Place, Region};
 use crate::progress::Stopped;
 use crate::volume::{ElementType, Fault, ReadError, WriteError, in_words};
 
@@ -13,7 +13,7 @@ use crate::volume::{ElementType, Fault, ReadError, WriteError, in_words};
 #[non_exhaustive]
 pub enum CompressError {
     /// A brick side is 0, or the brick too large.
-    #[error("bricks of {}x{}x{} samples are not possible: give --brick sides of at least 1 with at most 2^27 samples", .0[0], .0[1], .0[2])]
+    #[error("bricks of {}x{}x{} samples are not possible: give sides of at least 1 with at most 2^27 samples", .0[0], .0[1], .0[2])]
     BrickSides([u32; 3]),
     /// A data set without values, or with more than can be counted.
     #[error(
@@ -35,7 +35,7 @@ pub enum CompressError {
         max: u8,
     },
     /// Levels were asked for without a transform, or a transform without levels.
-    #[error("--wavelet {wavelet} and --levels {levels} contradict each other")]
+    #[error("wavelet {wavelet} and {levels} levels contradict each other")]
     Contradiction {
         /// The wavelet asked for.
         wavelet: &'static str,
@@ -43,9 +43,9 @@ pub enum CompressError {
         levels: u8,
     },
     /// The samples are not those of the extent.
-    #[error("the volume has {actual} bytes of samples where its extent and type make {expected}")]
+    #[error("there are {actual} bytes of values where extent, components and type make {expected}")]
     SampleBytes {
-        /// Bytes by extent and type.
+        /// Bytes by extent, components and type.
         expected: u64,
         /// Bytes there are.
         actual: u64,
@@ -59,8 +59,15 @@ pub enum CompressError {
         components: u32,
     },
     /// A time step of another kind than those that are there.
-    #[error("cannot follow the time steps of the file: {0}")]
-    OtherSteps(String),
+    #[error("cannot follow the time steps of {file}: they hold {there}, the input {given}")]
+    OtherSteps {
+        /// The file that they are in, as far as it has a name.
+        file: String,
+        /// Extent, type and components there, `64x64x93 of u16`.
+        there: String,
+        /// The same of the input.
+        given: String,
+    },
     /// The container that time steps are to follow cannot be read.
     #[error(transparent)]
     Container(#[from] ContainerError),
@@ -103,6 +110,23 @@ pub enum CompressError {
         /// Bytes of the last.
         found: u64,
     },
+    /// A region that is not inside the volume, or holds nothing.
+    #[error("region {region} is not inside the volume of {}x{}x{} samples", extent[0], extent[1], extent[2])]
+    OutsideVolume {
+        /// The region.
+        region: Region,
+        /// Extent of the volume.
+        extent: [u64; 3],
+    },
+    /// A region with samples that were written already.
+    #[error("region {region} meets another that was written in this time step already")]
+    WrittenBefore {
+        /// The region.
+        region: Region,
+    },
+    /// Values in order and values of regions in one time step.
+    #[error("values in order and values of regions cannot be written to the same time step")]
+    MixedOrder,
     /// Something went wrong before.
     #[error("nothing can be written after an error")]
     AfterError,
@@ -175,7 +199,7 @@ pub enum ContainerError {
         cause: &'static str,
     },
     /// A brick contradicts its checksum or cannot be decoded.
-    #[error("damaged: {} (samples {}): {cause}", name_of(place), super::Region::from(*brick))]
+    #[error("damaged: {} (samples {}): {cause}", name_of(place), Region::from(*brick))]
     Brick {
         /// Which one it is.
         place: Place,
@@ -230,7 +254,7 @@ pub enum ContainerError {
     #[error("region {region} is not inside the volume of {}x{}x{} samples", extent[0], extent[1], extent[2])]
     NoSuchRegion {
         /// The region asked for.
-        region: super::Region,
+        region: Region,
         /// Extent of the volume.
         extent: [u64; 3],
     },
@@ -238,12 +262,12 @@ pub enum ContainerError {
     #[error("region {region} holds no sample of level {level}, which has one in {} along each axis", 1_u64 << level)]
     NoSampleInRegion {
         /// The region asked for.
-        region: super::Region,
+        region: Region,
         /// The level asked for.
         level: u8,
     },
     /// The samples do not fit into memory.
-    #[error("{bytes} bytes of samples do not fit into memory: read a --region or a --level of the volume")]
+    #[error("{bytes} bytes of samples do not fit into memory: read a region or a level of the volume")]
     OutOfMemory {
         /// Bytes that were asked for.
         bytes: u64,

@@ -65,10 +65,13 @@ fn write(
     write().map_err(|error| at(path, error))
 }
 
-/// Names the file that could not be written.
+/// Names the file that could not be written, or made longer.
 pub(super) fn at(path: &Path, error: CompressError) -> CompressError {
     match error {
         CompressError::Io(cause) => WriteError::Io { path: path.to_owned(), cause }.into(),
+        CompressError::OtherSteps { there, given, .. } => {
+            CompressError::OtherSteps { file: path.display().to_string(), there, given }
+        }
         other => other,
     }
 }

@@ -11,7 +11,7 @@ use super::grid::per_axis;
 use super::region::Wanted;
 use super::{Brick, Container, ContainerError, Part, Pool, Progress, Statistics};
 use crate::progress::tell;
-use crate::volume::{FileFormat, Header, Metadata, Volume};
+use crate::volume::{Header, Metadata, Volume};
 
 impl Container {
     /// The header that a part has as a data set of its own: what is left of extent, components and time steps, and
@@ -33,7 +33,7 @@ impl Container {
             components: wanted.components.len() as u32,
             steps: wanted.steps.end - wanted.steps.start,
             element: self.head().element,
-            metadata: Metadata::plain(3, FileFormat::Raw),
+            metadata: Metadata::default(),
         }
     }
 

@@ -37,6 +37,31 @@ impl From<Brick> for Region {
     }
 }
 
+impl Region {
+    /// The same with ends in place of `u64::MAX`; `None` if it is empty, or not inside a volume of `extent`.
+    pub(super) fn within(self, extent: [u64; 3]) -> Option<Self> {
+        let region = self.ending(extent);
+        let is_inside =
+            (0..3).all(|axis| region.from[axis] < region.to[axis] && region.to[axis] <= extent[axis]);
+        is_inside.then_some(region)
+    }
+
+    fn ending(self, extent: [u64; 3]) -> Self {
+        let end = |axis: usize| if self.to[axis] == u64::MAX { extent[axis] } else { self.to[axis] };
+        Self { to: per_axis(end), ..self }
+    }
+
+    /// Samples along each axis.
+    pub(super) fn sides(&self) -> [u64; 3] {
+        per_axis(|axis| self.to[axis] - self.from[axis])
+    }
+
+    /// Whether there are samples in both.
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|axis| self.from[axis] < other.to[axis] && other.from[axis] < self.to[axis])
+    }
+}
+
 /// A text that is not of the form `X0:X1,Y0:Y1,Z0:Z1`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("'{0}' is not a region: write X0:X1,Y0:Y1,Z0:Z1, each end beyond its beginning")]
@@ -160,13 +185,9 @@ impl Container {
         components: Range<u32>,
     ) -> Result<Wanted, ContainerError> {
         let (level, extent) = (part.level, self.head().extent);
-        let mut region = part.region.unwrap_or(Region { from: [0; 3], to: [u64::MAX; 3] });
-        for (end, extent) in region.to.iter_mut().zip(extent).filter(|(end, _)| **end == u64::MAX) {
-            *end = extent;
-        }
-        if (0..3).any(|axis| region.to[axis] > extent[axis] || region.from[axis] >= region.to[axis]) {
-            return Err(ContainerError::NoSuchRegion { region, extent });
-        }
+        let asked = part.region.unwrap_or(Region { from: [0; 3], to: [u64::MAX; 3] });
+        let region = asked.within(extent);
+        let region = region.ok_or(ContainerError::NoSuchRegion { region: asked.ending(extent), extent })?;
         let first = |position: u64| position.div_ceil(1 << level);
         let (from, to) = (region.from.map(first), region.to.map(first));
         if (0..3).any(|axis| from[axis] >= to[axis]) {

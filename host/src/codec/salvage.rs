@@ -7,7 +7,6 @@ use super::patched::Patched;
 use super::remains::Remains;
 use super::repair::places;
 use super::{Container, Grid, Place, ReadAt, Region, RepairError};
-use crate::volume::{FileFormat, Metadata};
 
 /// What is left of a damaged file.
 #[derive(Debug)]
@@ -88,7 +87,7 @@ impl Container {
             let bricks = places(&head, &step).map(bytes_of).collect();
             records.push(StepRecords::found(step, bricks));
         }
-        let metadata = remains.metadata.unwrap_or_else(|| Metadata::plain(3, FileFormat::Raw));
+        let metadata = remains.metadata.unwrap_or_default();
         let rest = (metadata, remains.statistics);
         Ok(Salvaged { container: Self::found(Box::new(source), head, records, rest), damage })
     }

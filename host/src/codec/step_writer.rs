@@ -1,34 +1,35 @@
 //! A compressed file whose values are pushed into it, as a simulation or an instrument makes them.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-use bytemuck::cast_slice;
 
 use super::compress::{Compressor, head, refuse_others, resumed};
 use super::content::{Head, Step};
 use super::file::at;
 use super::supply::Gathered;
 use super::writer::Writer;
-use super::{CompressError, CompressOptions, Container, Label, Progress, Report};
+use super::{CompressError, CompressOptions, Container, Label, Progress, Region, Report};
+use crate::array::little_endian;
 use crate::atomic::AtomicFile;
 use crate::volume::{Header, Sample};
 
 /// A compressed file that is written a piece at a time, and may get any number of time steps.
 ///
-/// Values come in the order of [`Header`]: component fastest, then x, y, z, time step. Those of a time step are kept, in
-/// memory or in a temporary file, until all are there, as they are looked through before they are coded; then the step is
-/// compressed, on all cores, before [`StepWriter::write`] returns. The file appears when it is finished, or not at all;
-/// its bytes are those of [`compress_file`](super::compress_file) of the same values.
+/// Values come in the order of [`Header`]: component fastest, then x, y, z, time step; or, within a time step, brick by
+/// brick in any order ([`StepWriter::write_region`]). Those of a time step are kept, in memory or in a temporary file,
+/// until all are there, as they are looked through before they are coded; then the step is compressed, on all cores,
+/// before the call returns. The file appears when it is finished, or not at all; its bytes are those of
+/// [`compress_file`](super::compress_file) of the same values.
 ///
 /// ```
 /// use wavelift_host::codec::{CompressOptions, Container, StepWriter};
 /// use wavelift_host::progress::ignore;
-/// use wavelift_host::volume::{ElementType, FileFormat, Header, Metadata};
+/// use wavelift_host::volume::{ElementType, Header, Metadata};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("run.wlift");
 /// let (extent, options) = ([16, 8, 4], CompressOptions::default());
-/// let header = Header::scalar(extent, ElementType::F32, Metadata::plain(3, FileFormat::Raw));
+/// let header = Header::scalar(extent, ElementType::F32, Metadata::default());
 /// let mut file = StepWriter::create(&path, &header, &options, &ignore)?;
 /// for step in 0..3 {
 ///     for z in 0..4 {
@@ -52,6 +53,8 @@ struct Open<'a> {
     writer: Writer<AtomicFile>,
     progress: Progress<'a>,
     gathered: Gathered,
+    /// The regions of the current step that were written, unless its values come in order.
+    regions: Vec<Region>,
     /// What the next step is called, if not as the options say.
     label: Option<Label>,
     /// The number of the first step that is written here, and those that are.
@@ -94,7 +97,7 @@ impl<'a> StepWriter<'a> {
         progress: Progress<'a>,
     ) -> Result<Self, CompressError> {
         let container = Container::open(&path)?;
-        refuse_others(container.head(), header)?;
+        refuse_others(container.head(), header).map_err(|error| at(path.as_ref(), error))?;
         let begin = |file| resumed(&container, file);
         Self::begin(path.as_ref(), container.head(), options, (progress, &begin))
     }
@@ -109,7 +112,8 @@ impl<'a> StepWriter<'a> {
             let writer = begin(AtomicFile::create(path)?)?;
             let compressor = Compressor::new(head.clone(), options)?;
             let (gathered, first) = (compressor.room()?, writer.next_step());
-            Ok(Open { compressor, writer, progress, gathered, label: None, first, steps: Vec::new() })
+            let (regions, steps) = (Vec::new(), Vec::new());
+            Ok(Open { compressor, writer, progress, gathered, regions, label: None, first, steps })
         };
         let open = open().map_err(|error| at(path, error))?;
         Ok(Self { path: path.to_owned(), open: Some(open) })
@@ -130,8 +134,54 @@ impl<'a> StepWriter<'a> {
     /// [`CompressError`]: values of another type than the header says, work that was stopped, no room. The file cannot be
     /// finished then.
     pub fn write<T: Sample>(&mut self, values: &[T]) -> Result<(), CompressError> {
+        self.go_on(|open| open.take(&open.bytes_of(values)?))
+    }
+
+    /// Takes the values of a region of the current time step, component fastest, then x, y, z: such as a [`Brick`] of a
+    /// [`Grid`], in any order. Compresses the time step when every sample of it is there.
+    ///
+    /// ```
+    /// use wavelift_host::codec::{CompressOptions, Container, Grid, StepWriter};
+    /// use wavelift_host::progress::ignore;
+    /// use wavelift_host::volume::{ElementType, Header, Metadata};
+    ///
+    /// let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("bricks.wlift");
+    /// let (extent, options) = ([50, 40, 30], CompressOptions::default());
+    /// let header = Header::scalar(extent, ElementType::U16, Metadata::default());
+    /// let mut file = StepWriter::create(&path, &header, &options, &ignore)?;
+    /// for brick in Grid::new(extent, [16; 3]).ok_or("too large")?.iter() {
+    ///     let values = vec![brick.origin[0] as u16; brick.samples() as usize];
+    ///     file.write_region(brick, &values)?;
+    /// }
+    /// file.finish()?;
+    /// assert_eq!(Container::open(&path)?.to_array::<u16>()?[[29, 39, 49]], 48);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`StepWriter::write`]; a region that is not inside the volume, meets one that was written in this step, or has
+    /// another number of samples; a step whose values were begun to be written in order.
+    ///
+    /// Cost: a look at every region of the step that was written before.
+    ///
+    /// [`Brick`]: super::Brick
+    /// [`Grid`]: super::Grid
+    pub fn write_region<T: Sample>(
+        &mut self,
+        region: impl Into<Region>,
+        values: &[T],
+    ) -> Result<(), CompressError> {
+        let region = region.into();
+        self.go_on(|open| open.put(region, &open.bytes_of(values)?))
+    }
+
+    fn go_on(
+        &mut self,
+        work: impl FnOnce(&mut Open<'a>) -> Result<(), CompressError>,
+    ) -> Result<(), CompressError> {
         let mut open = self.open.take().ok_or(CompressError::AfterError)?;
-        open.write(values).map_err(|error| at(&self.path, error))?;
+        work(&mut open).map_err(|error| at(&self.path, error))?;
         self.open = Some(open);
         Ok(())
     }
@@ -148,19 +198,39 @@ impl<'a> StepWriter<'a> {
 }
 
 impl Open<'_> {
-    fn write<T: Sample>(&mut self, values: &[T]) -> Result<(), CompressError> {
+    /// The bytes of values that are of the right type, little-endian.
+    fn bytes_of<'v, T: Sample>(&self, values: &'v [T]) -> Result<Cow<'v, [u8]>, CompressError> {
         let expected = self.compressor.head.element;
         if T::ELEMENT != expected {
             return Err(CompressError::WrongType { expected, given: T::ELEMENT });
         }
-        if cfg!(target_endian = "little") {
-            return self.take(cast_slice(values));
+        Ok(little_endian(values))
+    }
+
+    fn put(&mut self, region: Region, bytes: &[u8]) -> Result<(), CompressError> {
+        let layout = self.compressor.layout();
+        let extent = layout.extent;
+        let within = region.within(extent).ok_or(CompressError::OutsideVolume { region, extent })?;
+        if self.regions.is_empty() && self.gathered.found() > 0 {
+            return Err(CompressError::MixedOrder);
         }
-        let values: Vec<T> = values.iter().copied().map(T::of_little).collect();
-        self.take(cast_slice(&values))
+        if self.regions.iter().any(|written| written.meets(&within)) {
+            return Err(CompressError::WrittenBefore { region: within });
+        }
+        let (expected, found) =
+            (layout.sample() * within.sides().iter().product::<u64>(), bytes.len() as u64);
+        if expected != found {
+            return Err(CompressError::SampleBytes { expected, actual: found });
+        }
+        self.gathered.put(&layout.stretches(within.from, within.sides()), bytes)?;
+        self.regions.push(within);
+        if self.gathered.missing() == 0 { self.end_step() } else { Ok(()) }
     }
 
     fn take(&mut self, mut bytes: &[u8]) -> Result<(), CompressError> {
+        if !self.regions.is_empty() && !bytes.is_empty() {
+            return Err(CompressError::MixedOrder);
+        }
         while !bytes.is_empty() {
             let count = self.gathered.missing().min(bytes.len() as u64) as usize;
             self.gathered.push(&bytes[..count])?;
@@ -174,6 +244,7 @@ impl Open<'_> {
 
     fn end_step(&mut self) -> Result<(), CompressError> {
         let gathered = std::mem::replace(&mut self.gathered, self.compressor.room()?);
+        self.regions.clear();
         let number = self.first + self.steps.len() as u64;
         let label = self.label.take().unwrap_or_else(|| self.compressor.label(self.steps.len()));
         let mut supply = gathered.into_supply();

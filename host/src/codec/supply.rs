@@ -184,6 +184,26 @@ impl Gathered {
         Ok(())
     }
 
+    /// Takes the values of these stretches of the step, none of which was given before.
+    pub(super) fn put(&mut self, stretches: &[Range<u64>], mut values: &[u8]) -> Result<(), CompressError> {
+        for stretch in stretches {
+            let (these, others) = values.split_at((stretch.end - stretch.start) as usize);
+            match &mut self.place {
+                Place::Memory(memory) => {
+                    memory.resize(self.bytes as usize, 0);
+                    memory[stretch.start as usize..][..these.len()].copy_from_slice(these);
+                }
+                Place::File(file) => {
+                    let found = file.seek(SeekFrom::Start(stretch.start));
+                    found.and_then(|_| file.write_all(these)).map_err(CompressError::Spool)?;
+                }
+            }
+            self.found += these.len() as u64;
+            values = others;
+        }
+        Ok(())
+    }
+
     /// The values, all of which are there.
     pub(super) fn into_supply<'a>(self) -> Supply<'a> {
         match self.place {

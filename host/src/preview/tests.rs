@@ -2,7 +2,7 @@ use super::*;
 use crate::codec::{CompressOptions, Container, compress};
 use crate::progress::ignore;
 use crate::volume::synthetic::{Kind, generate};
-use crate::volume::{ElementType, FileFormat, Header, InMemory, Metadata, Volume};
+use crate::volume::{ElementType, Header, InMemory, Metadata, Volume};
 
 /// A volume in which every sample says where it is: x + 10 y + 100 z.
 fn places() -> Volume {
@@ -12,7 +12,7 @@ fn places() -> Volume {
         extent: [5, 3, 4],
         element: ElementType::U16,
         samples: samples.flat_map(u16::to_le_bytes).collect(),
-        metadata: Metadata::plain(3, FileFormat::Raw),
+        metadata: Metadata::default(),
     }
 }
 
@@ -67,7 +67,7 @@ fn maxima_are_those_along_the_axis() {
 #[test]
 fn components_are_colors() {
     let volume = places();
-    let mut header = Header::scalar([4, 2, 1], ElementType::U8, Metadata::plain(3, FileFormat::Raw));
+    let mut header = Header::scalar([4, 2, 1], ElementType::U8, Metadata::default());
     (header.components, header.steps) = (3, 2);
     let samples = &volume.samples[..48];
     let mut source = InMemory::of(header, samples).unwrap();

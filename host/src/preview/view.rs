@@ -67,7 +67,7 @@ pub enum Shown {
     },
     /// More pixels than a picture can have.
     #[error(
-        "a picture of {width}x{height} pixels is too large: 65536 along each side are the most; choose a --level"
+        "a picture of {width}x{height} pixels is too large: 65536 along each side are the most; choose a coarser level"
     )]
     TooLarge {
         /// Pixels to the right.

@@ -88,7 +88,7 @@ pub enum ReadError {
     },
     /// A raw file of another length than its layout.
     #[error(
-        "{}: {layout} is {expected} bytes, the file has {found}: check --extent and --type{hint}",
+        "{}: {layout} is {expected} bytes, the file has {found}: check extent and type{hint}",
         path.display()
     )]
     LayoutMismatch {
@@ -146,8 +146,8 @@ pub enum ReadError {
     },
     /// Several time steps or components where one volume of single values is needed.
     #[error(
-        "{}: has {steps} time steps of samples with {components} components, where one volume of single values is \
-         needed: `wavelift compress` and `wavelift convert` take all of them",
+        "{}: has {steps} time steps of samples with {components} components, where one volume of single values \
+         is needed",
         path.display()
     )]
     NotScalar {
@@ -249,7 +249,7 @@ pub enum WriteError {
     },
     /// The name of a file that only compressing makes.
     #[error(
-        "{}: files of this name are written by `wavelift compress` and `wavelift surface`: give another extension",
+        "{}: a file of this name would be taken for a compressed one: give another extension",
         path.display()
     )]
     Compressed {

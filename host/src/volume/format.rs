@@ -193,10 +193,10 @@ fn foreign(path: &Path) -> Option<[&'static str; 2]> {
 pub(super) fn unknown(path: &Path) -> String {
     match foreign(path) {
         Some([what, advice]) => {
-            format!("{what} is not read: {advice} (if it is a raw file, give --extent XxYxZ and --type T)")
+            format!("{what} is not read: {advice}; or, if it is a raw file, give its layout")
         }
-        None => "a raw file does not say its extent and type: give --extent XxYxZ and --type T (neither the name nor \
-                 the first bytes are those of a format that is read)"
+        None => "a raw file does not say its extent and type, and neither name nor first bytes are those of a format that \
+                 is read: give its layout"
             .to_owned(),
     }
 }

@@ -59,6 +59,13 @@ pub enum HeaderLine {
     },
 }
 
+/// Of three axes, as a raw file: nothing is said.
+impl Default for Metadata {
+    fn default() -> Self {
+        Self::plain(3, FileFormat::Raw)
+    }
+}
+
 impl Metadata {
     /// Metadata of a file of one to three axes that says nothing: little-endian, no lines.
     pub fn plain(rank: u8, format: FileFormat) -> Self {

@@ -173,10 +173,10 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use super::*;
-    use crate::volume::{ElementType, FileFormat, Metadata};
+    use crate::volume::{ElementType, Metadata};
 
     fn header() -> Header {
-        Header { steps: 2, ..Header::scalar([3, 2, 2], ElementType::U8, Metadata::plain(3, FileFormat::Raw)) }
+        Header { steps: 2, ..Header::scalar([3, 2, 2], ElementType::U8, Metadata::default()) }
     }
 
     struct Counted(Vec<u64>);

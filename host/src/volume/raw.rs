@@ -173,7 +173,7 @@ fn hint(layout: &RawLayout, found: Found) -> &'static str {
         Found::Exactly(bytes) if bytes == samples * 4 => " (it would fit samples of 4 bytes, as f32)",
         Found::Exactly(bytes) if bytes == samples * 8 => " (it would fit samples of 8 bytes, as f64)",
         Found::Exactly(bytes) if bytes > samples * layout.element.bytes() as u64 => {
-            "; --skip passes over a header, --components and --steps take more values a sample and more volumes"
+            "; `skip` passes over a header, `components` and `steps` take more values a sample and more volumes"
         }
         Found::Exactly(_) | Found::MoreThan(_) | Found::AtMost(_) => "",
     }

@@ -12,6 +12,49 @@ use super::{FileFormat, Header, RawLayout, ReadError, Volume, WriteError, WriteO
 ///
 /// Values come in the order of [`Header`]: component fastest, then x, y, z, time step; little-endian, whatever the
 /// file has.
+///
+/// Whatever can give its values so can be compressed and copied, as here what is computed when it is asked for:
+///
+/// ```
+/// use wavelift_host::codec::{CompressOptions, Container, compress_file};
+/// use wavelift_host::progress::ignore;
+/// use wavelift_host::volume::{ElementType, Header, Metadata, ReadError, Source};
+///
+/// struct Squares {
+///     header: Header,
+///     next: u64,
+/// }
+///
+/// impl Source for Squares {
+///     fn header(&self) -> &Header {
+///         &self.header
+///     }
+///
+///     fn read(&mut self, out: &mut [u8]) -> Result<(), ReadError> {
+///         for value in out.chunks_exact_mut(4) {
+///             value.copy_from_slice(&((self.next * self.next) as u32).to_le_bytes());
+///             self.next += 1;
+///         }
+///         Ok(())
+///     }
+///
+///     fn seek(&mut self, position: u64) -> Result<(), ReadError> {
+///         self.next = position / 4;
+///         Ok(())
+///     }
+///
+///     fn is_random(&self) -> bool {
+///         true
+///     }
+/// }
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("squares.wlift");
+/// let header = Header::scalar([16, 8, 4], ElementType::U32, Metadata::default());
+/// compress_file(&path, &mut Squares { header, next: 0 }, &CompressOptions::default(), &ignore)?;
+/// assert_eq!(Container::open(&path)?.to_array::<u32>()?[[3, 7, 15]], 511 * 511);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Source: Send {
     /// What the file says of its samples.
     fn header(&self) -> &Header;

@@ -147,7 +147,7 @@ fn bounds_that_make_no_sense_are_refused() {
         }
     }
     folder
-        .run("compress in.raw out.wlift --extent 24x20x10 --type f32 --max-error 1 --relative-error 1")
+        .run("compress in.raw out.wlift --extent 24x20x10 --type f32 --max-error 1 --relative-error 0.1")
         .fails(2, &["--max-error", "--relative-error"]);
     assert!(!folder.path("out.wlift").exists());
 }

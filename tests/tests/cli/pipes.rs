@@ -60,7 +60,7 @@ fn a_pipe_with_too_few_or_too_many_samples_is_refused() {
     for extent in ["99", "101"] {
         let outcome = folder
             .shell(&format!("cat in.raw | wavelift compress /dev/stdin a.wlift --extent {extent} --type u8"));
-        outcome.fails(2, &["/dev/stdin", extent, "--extent"]);
+        outcome.fails(2, &["/dev/stdin", extent, "check extent"]);
     }
     assert_eq!(folder.everything().len(), 1);
 }

@@ -166,7 +166,7 @@ fn denormals_huge_ranges_and_tiny_bounds() {
         for error in [f64::from_bits(1), f64::MIN_POSITIVE, 1e-3, 1e300, f64::MAX] {
             within(&volume, absolute(error));
         }
-        for fraction in [1e-300, 1e-9, 1e-3, 0.5, 10.0] {
+        for fraction in [1e-300, 1e-9, 1e-3, 0.5, 0.99] {
             within(&volume, Some(Tolerance::relative(fraction).unwrap()));
         }
         assert_eq!(within(&volume, None).2, volume);

@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use super::*;
-use crate::volume::{Fault, FileFormat, Header, InMemory, Metadata};
+use crate::volume::{Fault, Header, InMemory, Metadata};
 
 /// Samples of three time steps of two components.
 fn values() -> (Header, Vec<u16>) {
-    let metadata = Metadata::plain(3, FileFormat::Raw);
+    let metadata = Metadata::default();
     let header = Header { extent: [13, 9, 5], components: 2, steps: 3, element: ElementType::U16, metadata };
     let values = (0..13 * 9 * 5 * 2 * 3).map(|value: u16| value.wrapping_mul(value) / 7);
     (header, values.collect())
@@ -39,6 +39,75 @@ fn pieces_make_the_same_file_as_all_at_once() {
         assert!(fs::read(&whole).unwrap() == fs::read(&pieces).unwrap());
         fs::remove_file(&pieces).unwrap();
     }
+}
+
+/// Values of a region of one time step, in the order of the file.
+fn of_region(header: &Header, step: &[u16], Region { from, to }: Region) -> Vec<u16> {
+    let ([width, height, _], components) = (header.extent, u64::from(header.components));
+    let mut values = Vec::new();
+    for (z, y) in (from[2]..to[2]).flat_map(|z| (from[1]..to[1]).map(move |y| (z, y))) {
+        let row = (z * height + y) * width;
+        let [first, last] = [from[0], to[0]].map(|x| ((row + x) * components) as usize);
+        values.extend_from_slice(&step[first..last]);
+    }
+    values
+}
+
+#[test]
+fn regions_in_any_order_make_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, regions] = ["whole", "regions"].map(|name| folder.path().join(name));
+    let (header, values) = values();
+    let report = at_once(&whole, 3, &small_bricks("auto", None));
+    let bricks: Vec<Brick> = Grid::new(header.extent, [4, 5, 3]).unwrap().iter().collect();
+    for memory in [0, 1 << 30] {
+        let options = CompressOptions { memory: Some(memory), ..small_bricks("auto", None) };
+        let mut writer = StepWriter::create(&regions, &header, &options, &ignore).unwrap();
+        let steps: Vec<&[u16]> = values.chunks(1170).collect();
+        for &brick in bricks.iter().rev() {
+            writer.write_region(brick, &of_region(&header, steps[0], brick.into())).unwrap();
+        }
+        // The next step in order, and the last as one region without ends.
+        writer.write(steps[1]).unwrap();
+        writer.write_region([0..u64::MAX, 0..u64::MAX, 0..u64::MAX], steps[2]).unwrap();
+        assert_eq!(writer.finish().unwrap(), report);
+        assert!(fs::read(&whole).unwrap() == fs::read(&regions).unwrap());
+    }
+}
+
+#[test]
+fn regions_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wlift");
+    let (header, values) = values();
+    let options = small_bricks("auto", None);
+    let create = || StepWriter::create(&path, &header, &options, &ignore).unwrap();
+    let refused = |mut writer: StepWriter<'_>, region: [std::ops::Range<u64>; 3], count| {
+        let error = writer.write_region(region, &values[..count]).unwrap_err();
+        assert!(matches!(writer.finish(), Err(CompressError::AfterError)));
+        error
+    };
+    let begun = || {
+        let mut writer = create();
+        writer.write_region([0..2, 0..3, 0..4], &values[..48]).unwrap();
+        writer
+    };
+    let outside = refused(create(), [10..14, 0..1, 0..1], 8);
+    assert!(matches!(outside, CompressError::OutsideVolume { extent: [13, 9, 5], .. }));
+    assert!(matches!(refused(create(), [0..0, 0..1, 0..1], 0), CompressError::OutsideVolume { .. }));
+    let twice = refused(begun(), [1..3, 2..3, 3..4], 4);
+    assert!(matches!(twice, CompressError::WrittenBefore { region } if region.from == [1, 2, 3]));
+    assert!(matches!(
+        refused(begun(), [2..4, 0..1, 0..1], 5),
+        CompressError::SampleBytes { expected: 8, actual: 10 }
+    ));
+    let mut writer = create();
+    writer.write(&values[..3]).unwrap();
+    assert!(matches!(refused(writer, [2..4, 0..1, 0..1], 4), CompressError::MixedOrder));
+    let mut writer = begun();
+    writer.write::<u16>(&[]).unwrap();
+    assert!(matches!(writer.write(&values[..1]), Err(CompressError::MixedOrder)));
+    assert!(matches!(begun().finish(), Err(CompressError::UnfinishedStep { found: 96, .. })));
 }
 
 #[test]
@@ -81,7 +150,12 @@ fn steps_follow_those_of_a_file() {
 
     let other = Header { components: 1, ..third };
     let refused = StepWriter::append(&pieces, &other, &options, &ignore);
-    assert!(matches!(refused, Err(CompressError::OtherSteps(_))));
+    let told = refused.unwrap_err().to_string();
+    assert!(told.contains("pieces: they hold 13x9x5 u16 of 2 components, the input 13x9x5 u16"), "{told}");
+    assert!(matches!(
+        append_file(&longer, &mut InMemory::of(other, bytemuck::cast_slice(&last[..585])).unwrap(), &options, &ignore),
+        Err(CompressError::OtherSteps { file, .. }) if file.ends_with("longer")
+    ));
     let missing = append_file(folder.path().join("none"), &mut source, &options, &ignore).unwrap_err();
     assert_eq!(missing.kind(), Fault::Io);
     assert!(missing.to_string().contains("none: cannot read: "), "{missing}");

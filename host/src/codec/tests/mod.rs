@@ -210,7 +210,7 @@ fn impossible_options_are_the_users_fault() {
     assert!(refuse(small_bricks("linear", Some(4))).contains("at most 3 levels"));
     assert!(refuse(small_bricks("none", Some(1))).contains("contradict"));
     assert!(refuse(small_bricks("cubic", Some(0))).contains("contradict"));
-    assert!(refuse(CompressOptions { brick: Some([0, 8, 8]), ..Default::default() }).contains("--brick"));
+    assert!(refuse(CompressOptions { brick: Some([0, 8, 8]), ..Default::default() }).contains("give sides"));
 }
 
 /// Samples on a scale.

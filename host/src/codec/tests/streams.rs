@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use super::bounds::absolute;
 use super::*;
-use crate::volume::{FileFormat, Header, InMemory, Metadata, ReadError, Sink, Source, WriteError};
+use crate::volume::{Header, InMemory, Metadata, ReadError, Sink, Source, WriteError};
 
 /// Values of waves and of noise, in the order of a file.
 fn values(header: &Header) -> Vec<u8> {
@@ -25,7 +25,7 @@ fn values(header: &Header) -> Vec<u8> {
 }
 
 fn header(extent: [u64; 3], components: u32, steps: u64, element: ElementType) -> Header {
-    Header { extent, components, steps, element, metadata: Metadata::plain(3, FileFormat::Raw) }
+    Header { extent, components, steps, element, metadata: Metadata::default() }
 }
 
 /// A source that cannot go back at little cost, as a compressed file.

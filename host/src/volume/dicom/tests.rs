@@ -333,7 +333,7 @@ fn a_copy_of_a_slice_is_told() {
 #[test]
 fn samples_of_nowhere_stay_in_their_order() {
     let folder = tempfile::tempdir().unwrap();
-    let metadata = Metadata::plain(3, FileFormat::Raw);
+    let metadata = Metadata::default();
     let header = Header::scalar([4, 2, 12], ElementType::U8, metadata);
     let values: Vec<u8> = (0..96).collect();
     assert!(write(&folder.path().join("n_%d.dcm"), &header, &values).is_empty());

@@ -5,6 +5,7 @@
 //! is named behind the path, as in `run.h5#fields/density`.
 
 mod error;
+mod filters;
 mod places;
 mod source;
 mod variable;

@@ -11,7 +11,7 @@ use netcdf_reader::{
 };
 
 use super::variable::{self, Variable};
-use super::{Hdf5Error, places};
+use super::{Hdf5Error, filters, places};
 use crate::volume::guarded::guarded;
 use crate::volume::input::Input;
 use crate::volume::pieces::{PieceSource, Pieces};
@@ -74,6 +74,7 @@ fn read(path: &Path, name: Option<&str>) -> Result<Hdf5Variable, Hdf5Error> {
         // Other programs describe axes in their own ways, or not at all.
         metadata_mode: NcMetadataMode::Lossy,
         max_chunk_bytes: most_chunk as usize,
+        filter_registry: Some(filters::registry(most_chunk as usize)),
         max_read_bytes: LARGEST_BYTES as usize,
         ..NcOpenOptions::default()
     };

@@ -182,7 +182,7 @@ fn samples_in_several_files_are_joined() {
 fn a_detached_pair_replaces_its_own_files_only() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mhd");
-    let header = Header::scalar([2, 2, 2], ElementType::U8, Metadata::plain(3, FileFormat::Raw));
+    let header = Header::scalar([2, 2, 2], ElementType::U8, Metadata::default());
     fs::write(folder.path().join("a.raw"), "the only copy").unwrap();
     let error = crate::volume::create(&path, &header, &WriteOptions::default()).unwrap_err();
     assert!(matches!(error, WriteError::DataFileExists { .. }));

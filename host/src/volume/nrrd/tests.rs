@@ -360,7 +360,7 @@ fn components_and_time_are_read_and_written_as_they_lie() {
 
 #[test]
 fn axes_that_the_lines_do_not_speak_of_are_filled_in() {
-    let mut metadata = Metadata::plain(3, FileFormat::Raw);
+    let mut metadata = Metadata::default();
     metadata.set_field("spacings", "1 2 3");
     let mut header = crate::volume::Header::scalar([5, 4, 3], ElementType::U8, metadata);
     (header.components, header.steps) = (7, 2);

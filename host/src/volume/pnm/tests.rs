@@ -127,7 +127,7 @@ fn hostile_files_return() {
 #[test]
 fn a_volume_in_memory_goes_out_slice_by_slice() {
     let folder = tempfile::tempdir().unwrap();
-    let header = Header::scalar([2, 2, 3], ElementType::U8, Metadata::plain(3, FileFormat::Raw));
+    let header = Header::scalar([2, 2, 3], ElementType::U8, Metadata::default());
     let samples: Vec<u8> = (0..12).collect();
     let mut memory = InMemory::of(header.clone(), &samples).unwrap();
     let path = folder.path().join("new/s_%02d.pgm");

@@ -85,7 +85,7 @@ fn what_makes_no_stack_is_told_by_name() {
 fn a_stack_is_written_whole_or_not_at_all() {
     let around = tempfile::tempdir().unwrap();
     let folder = around.path().join("new");
-    let header = Header::scalar([2, 1, 3], ElementType::U8, Metadata::plain(3, FileFormat::Raw));
+    let header = Header::scalar([2, 1, 3], ElementType::U8, Metadata::default());
     for (piece, name) in [(1, "a_##.pgm"), (2, "b%d.pgm"), (4, "c*.pgm")] {
         assert_eq!(write(&folder.join(name), &header, &[1, 2, 3, 4, 5, 6], piece).unwrap(), [""; 0]);
         let mut source = open_volume(folder.join(name), None).unwrap();

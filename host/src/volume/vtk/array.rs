@@ -56,7 +56,7 @@ impl Attribute {
 }
 
 /// An array of values for points or cells.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Array<Data> {
     pub(super) name: String,
     /// `None` for texts, bits and the like, by the type's name.
@@ -66,6 +66,14 @@ pub(super) struct Array<Data> {
     pub(super) attribute: Attribute,
     /// Where the values are.
     pub(super) data: Data,
+}
+
+impl<Data> Array<Data> {
+    /// Whether another piece of the same image has this array.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        (&self.name, self.of_cells, &self.element, self.components)
+            == (&other.name, other.of_cells, &other.element, other.components)
+    }
 }
 
 /// Takes the array of that name, or else the active scalars of points, the first array of points, or those of cells.

@@ -49,17 +49,24 @@ pub enum VtkError {
     /// More samples than 64 bits count.
     #[error("its extent has more samples than 64 bits can count the bytes of")]
     TooLarge,
-    /// Several parts of an image in one file.
-    #[error(
-        "its image lies in several pieces: write it as a single piece, such as with vtkXMLImageDataWriter"
-    )]
-    Pieces,
-    /// A list of the files that hold the parts of an image.
-    #[error(
-        "it lists the parts of an image, which are in other files: give one of these, or write the whole as one .vti \
-         with VTK or ParaView"
-    )]
-    Parts,
+    /// A piece that is not within the whole.
+    #[error("one of its pieces lies outside of the whole")]
+    Outside,
+    /// A sample that is in no piece.
+    #[error("none of its pieces has the sample at {}, {}, {}", place[0], place[1], place[2])]
+    Hole {
+        /// Place of the sample, counted from 0 along x, y, z.
+        place: [u64; 3],
+    },
+    /// A file that is not the part of an image that it is listed as.
+    #[error("it has not the points or the array that {list} lists it with")]
+    OtherPiece {
+        /// File that lists it.
+        list: String,
+    },
+    /// A pipe.
+    #[error("its image lies in several pieces, and cannot come through a pipe: store it first")]
+    Pipe,
     /// No data at all.
     #[error("it has no arrays of point data or cell data")]
     NoArrays,

@@ -1,7 +1,7 @@
 //! VTK's images on regular grids: legacy files (`.vtk`, `STRUCTURED_POINTS`) and XML files (`.vti`, `ImageData`).
 //!
 //! Source: *VTK File Formats* (Kitware), and the classes `vtkDataReader`, `vtkXMLDataParser` and `vtkImageData` where
-//! it is silent. A file has any number of arrays for points and for cells; a data set is one of them, which `#name`
+//! it is silent. An image may lie in pieces, also in several files that `.pvti` lists. A file has any number of arrays for points and for cells; a data set is one of them, which `#name`
 //! behind the path names. Values of a point lie together and x varies fastest, as everywhere here.
 
 mod array;
@@ -11,6 +11,7 @@ mod bytes;
 mod error;
 mod grid;
 mod legacy;
+mod parts;
 mod sink;
 mod text;
 mod xml;
@@ -64,7 +65,7 @@ impl Format for VtkXml {
     }
 
     fn has_name(&self, path: &Path) -> bool {
-        has_extension(&split(path).0, &["vti"])
+        has_extension(&split(path).0, &["vti", "pvti"])
     }
 
     fn begins(&self, first: &[u8]) -> bool {
@@ -89,13 +90,16 @@ impl Format for VtkXml {
     fn create(&self, path: &Path, header: &Header, options: &WriteOptions) -> Result<Created, WriteError> {
         one_step(path, self.format(), header)?;
         let (path, name) = split(path);
+        if has_extension(&path, &["pvti"]) {
+            return Err(WriteError::Foreign { path, what: "a list of pieces (.pvti)" });
+        }
         xml::create(&path, header, options, name.as_deref())
     }
 }
 
 /// Parts a path from the name of an array behind it.
 fn split(path: &Path) -> (PathBuf, Option<String>) {
-    array_of(path, &["vtk", "vti"])
+    array_of(path, &["vtk", "vti", "pvti"])
 }
 
 fn one_step(path: &Path, format: FileFormat, header: &Header) -> Result<(), WriteError> {

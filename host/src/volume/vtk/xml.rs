@@ -15,11 +15,14 @@ use super::blocks::{Blocks, Compressor, Words};
 use super::body::{Body, Plain, VtkSource, damaged};
 use super::bytes::Bytes;
 use super::grid::{Grid, joined};
+use super::parts::{Parts, Store};
 use super::sink::{VtkSink, word_bytes};
 use super::text::Text;
 use crate::atomic::AtomicFile;
 use crate::volume::error::excerpt;
 use crate::volume::input::Input;
+use crate::volume::joined::beside;
+use crate::volume::pieces::PieceSource;
 use crate::volume::stored::{Encoding, Place, Stored};
 use crate::volume::{
     Axis, ByteOrder, Created, ElementType, FileFormat, Header, Metadata, Origin, ReadError, Source,
@@ -31,7 +34,7 @@ const TAG_BYTES: u64 = 1 << 20;
 
 /// Where the samples of an array are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Values {
+pub(super) enum Values {
     /// Decimal numbers from this byte of the file on.
     Text(u64),
     /// Base64 from this byte of the file on.
@@ -40,17 +43,34 @@ enum Values {
     Appended(u64),
 }
 
-/// All that the markup says.
-struct Document {
+/// How the arrays of a file lie in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
     words: Words,
     compressor: Option<Compressor>,
-    grid: Option<Grid>,
-    has_piece: bool,
-    arrays: Vec<Array<Values>>,
-    /// Whose arrays follow, and the names of those that are active.
-    section: Option<Section>,
     /// First byte of the appended data, and whether they are in base64.
     appended: Option<(u64, bool)>,
+}
+
+/// A tag of a piece, and what is in it.
+#[derive(Default)]
+struct Piece {
+    /// First index and points along each axis; all, if it does not say so. A piece may be empty.
+    extent: Option<([i64; 3], [u64; 3])>,
+    /// The file that it lies in, if it is another.
+    source: Option<String>,
+    arrays: Vec<Array<Values>>,
+}
+
+/// All that the markup says.
+struct Document {
+    layout: Layout,
+    grid: Option<Grid>,
+    /// Arrays that are in no piece: those that every file of a list has.
+    arrays: Vec<Array<Values>>,
+    pieces: Vec<Piece>,
+    /// Whose arrays follow, and the names of those that are active.
+    section: Option<Section>,
 }
 
 struct Section {
@@ -65,57 +85,102 @@ struct Markup {
 
 /// Opens a file at the array of that name, or the one that is active.
 pub(super) fn open(input: Input, wanted: Option<&str>) -> Result<Box<dyn Source>, ReadError> {
+    Ok(open_image(input, wanted, false)?.0)
+}
+
+/// Opens a file that has a part of an image, at the array of that name; and the points that it has.
+pub(super) fn open_part(path: &Path, name: &str) -> Result<(Box<dyn Source>, Grid), ReadError> {
+    open_image(Input::open(path)?, Some(name), true)
+}
+
+fn open_image(
+    input: Input,
+    wanted: Option<&str>,
+    is_part: bool,
+) -> Result<(Box<dyn Source>, Grid), ReadError> {
     let path = input.path().to_owned();
     let fault =
         |cause| ReadError::Format { path: path.clone(), format: FileFormat::VtkXml, cause: Box::new(cause) };
     let mut markup = Markup { reader: Reader::from_reader(input.take(TAG_BYTES)) };
     let document = Document::read(&mut markup).map_err(fault)?;
     let input = markup.reader.into_inner().into_inner();
-    let Document { words, compressor, grid, arrays, appended, .. } = document;
-    let mut grid = grid.ok_or_else(|| fault(VtkError::Missing { what: "the tag ImageData" }))?;
-    let (array, mut lines) = choose(arrays, wanted).map_err(fault)?;
+    let mut grid = document.grid(is_part).map_err(fault)?;
+    let (array, mut lines) = choose(document.arrays(), wanted).map_err(fault)?;
     let element = array
         .element
+        .clone()
         .map_err(|found| fault(VtkError::Element { name: excerpt(&array.name), found: excerpt(&found) }))?;
     grid.of_cells = array.of_cells;
     lines.extend(grid.lines());
-    let byte_order = match array.data {
-        Values::Text(_) => ByteOrder::Little,
-        _ if element.bytes() == 1 => ByteOrder::Little,
-        _ => words.byte_order,
-    };
+    let layout = document.layout;
+    let byte_order = layout.byte_order(array.data, element);
     let source = Origin { format: FileFormat::VtkXml, byte_order, fortran_order: false };
     let metadata = Metadata { axes: Axis::SPACE.to_vec(), source, lines };
     let header = Header { extent: grid.samples(), components: array.components, steps: 1, element, metadata };
-    let total = grid.count().and_then(|_| header.bytes()).ok_or_else(|| fault(VtkError::TooLarge))?;
+    grid.count().and_then(|_| header.bytes()).ok_or_else(|| fault(VtkError::TooLarge))?;
+    if document.is_whole(&grid) {
+        return Ok((layout.open(input, array.data, header)?, grid));
+    }
+    if input.left().is_none() {
+        return Err(fault(VtkError::Pipe));
+    }
+    let pieces = document.stores(&array, &path).map_err(fault)?;
+    let parts = Parts::new(&path, (header, grid.clone(), array.name), layout, pieces).map_err(fault)?;
+    Ok((Box::new(PieceSource::new(parts)), grid))
+}
 
-    let (start, is_base64) = match array.data {
-        Values::Text(start) => {
-            let body = Box::new(Text::new(input, start, element, false)?);
-            return Ok(Box::new(VtkSource { header, body, byte_order, path, at: 0 }));
+impl Layout {
+    /// Order of the bytes of an array.
+    const fn byte_order(&self, values: Values, element: ElementType) -> ByteOrder {
+        match values {
+            Values::Text(_) => ByteOrder::Little,
+            _ if element.bytes() == 1 => ByteOrder::Little,
+            _ => self.words.byte_order,
         }
-        Values::Base64(start) => (start, true),
-        Values::Appended(offset) => {
-            let (start, is_base64) =
-                appended.ok_or_else(|| fault(VtkError::Missing { what: "the tag AppendedData" }))?;
-            (start.saturating_add(offset), is_base64)
-        }
-    };
-    let mut bytes = Bytes::new(input, start, is_base64)?;
-    let body: Box<dyn Body> = if let Some(compressor) = compressor {
-        Box::new(Blocks::new(bytes, (words, compressor), total)?)
-    } else {
-        let found = words.read(&mut bytes).map_err(|cause| damaged(&path, cause))?;
-        if found != total {
-            return Err(fault(VtkError::Bytes { expected: total, found }));
-        }
-        if !is_base64 {
-            let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: true };
-            return Ok(Box::new(Stored::new(bytes.into_input(), header, place)?));
-        }
-        Box::new(Plain { bytes, head: words.bytes() })
-    };
-    Ok(Box::new(VtkSource { header, body, byte_order, path, at: 0 }))
+    }
+
+    /// The samples of an array of `header`, which 64 bits count the bytes of.
+    pub(super) fn open(
+        &self,
+        input: Input,
+        values: Values,
+        header: Header,
+    ) -> Result<Box<dyn Source>, ReadError> {
+        let (path, element, total) = (input.path().to_owned(), header.element, header.bytes().unwrap_or(0));
+        let fault = |cause| ReadError::Format {
+            path: path.clone(),
+            format: FileFormat::VtkXml,
+            cause: Box::new(cause),
+        };
+        let byte_order = self.byte_order(values, element);
+        let (start, is_base64) = match values {
+            Values::Text(start) => {
+                let body = Box::new(Text::new(input, start, element, false)?);
+                return Ok(Box::new(VtkSource { header, body, byte_order, path, at: 0 }));
+            }
+            Values::Base64(start) => (start, true),
+            Values::Appended(offset) => {
+                let (start, is_base64) =
+                    self.appended.ok_or_else(|| fault(VtkError::Missing { what: "the tag AppendedData" }))?;
+                (start.saturating_add(offset), is_base64)
+            }
+        };
+        let mut bytes = Bytes::new(input, start, is_base64)?;
+        let body: Box<dyn Body> = if let Some(compressor) = self.compressor {
+            Box::new(Blocks::new(bytes, (self.words, compressor), total)?)
+        } else {
+            let found = self.words.read(&mut bytes).map_err(|cause| damaged(&path, cause))?;
+            if found != total {
+                return Err(fault(VtkError::Bytes { expected: total, found }));
+            }
+            if !is_base64 {
+                let place = Place { encoding: Encoding::Raw, byte_order, skip: 0, is_open_ended: true };
+                return Ok(Box::new(Stored::new(bytes.into_input(), header, place)?));
+            }
+            Box::new(Plain { bytes, head: self.words.bytes() })
+        };
+        Ok(Box::new(VtkSource { header, body, byte_order, path, at: 0 }))
+    }
 }
 
 impl Markup {
@@ -159,17 +224,15 @@ impl Document {
     fn read(markup: &mut Markup) -> Result<Self, VtkError> {
         let words = Words { byte_order: ByteOrder::Little, is_wide: false };
         let mut document = Self {
-            words,
-            compressor: None,
+            layout: Layout { words, compressor: None, appended: None },
             grid: None,
-            has_piece: false,
             arrays: Vec::new(),
+            pieces: Vec::new(),
             section: None,
-            appended: None,
         };
         let mut is_known = false;
         let mut buffer = Vec::new();
-        while document.appended.is_none() {
+        while document.layout.appended.is_none() {
             let (tag, is_empty) = match markup.event(&mut buffer)? {
                 Event::Start(tag) => (tag.into_owned(), false),
                 Event::Empty(tag) => (tag.into_owned(), true),
@@ -191,13 +254,55 @@ impl Document {
         Ok(document)
     }
 
+    /// The points of the whole, or, of a file that has a part, of its only piece.
+    fn grid(&self, is_part: bool) -> Result<Grid, VtkError> {
+        let mut grid = self.grid.clone().ok_or(VtkError::Missing { what: "the tag ImageData" })?;
+        if let ([Piece { extent: Some(extent), .. }], true) = (&self.pieces[..], is_part) {
+            (grid.start, grid.points) = *extent;
+        }
+        Ok(grid)
+    }
+
+    /// The arrays to choose from.
+    fn arrays(&self) -> Vec<Array<Values>> {
+        let first = self.pieces.first().map(|piece| piece.arrays.clone());
+        if self.arrays.is_empty() { first.unwrap_or_default() } else { self.arrays.clone() }
+    }
+
+    /// Whether the image lies in one piece, in this file.
+    fn is_whole(&self, grid: &Grid) -> bool {
+        match &self.pieces[..] {
+            [] => true,
+            [Piece { extent, source: None, .. }] => {
+                extent.is_none_or(|extent| extent == (grid.start, grid.points))
+            }
+            _ => false,
+        }
+    }
+
+    /// The points of each piece, and where an array has its samples.
+    fn stores(self, array: &Array<Values>, path: &Path) -> Result<Vec<(Grid, Store)>, VtkError> {
+        let whole = self.grid.as_ref().map(|grid| (grid.start, grid.points));
+        let store = |piece: Piece| {
+            let (start, points) = piece.extent.or(whole)?;
+            let grid = Grid { start, of_cells: array.of_cells, ..Grid::plain(points) };
+            let found = piece.arrays.iter().find(|other| other.is_like(array));
+            let here = found.map(|found| Store::Here(found.data));
+            Some((grid, piece.source.map(|file| Store::File(beside(path, &file))).or(here)?))
+        };
+        let missing = || VtkError::Missing { what: "the array of one of its pieces" };
+        let is_empty = |piece: &Piece| piece.extent.is_some_and(|(_, points)| points.contains(&0));
+        let pieces = self.pieces.into_iter().filter(|piece| !is_empty(piece));
+        pieces.map(|piece| store(piece).ok_or_else(missing)).collect()
+    }
+
     fn tag(&mut self, tag: &BytesStart<'_>, is_empty: bool, markup: &mut Markup) -> Result<(), VtkError> {
         match tag.name().as_ref() {
             "VTKFile" => self.file(tag)?,
-            "ImageData" => self.grid = Some(grid(tag)?),
+            "ImageData" | "PImageData" => self.grid = Some(grid(tag)?),
             "Piece" => self.piece(tag)?,
             name if is_section(name) && !is_empty => self.section = section(tag)?,
-            "DataArray" | "Array" => self.array(tag, is_empty, markup)?,
+            "DataArray" | "Array" | "PDataArray" => self.array(tag, is_empty, markup)?,
             "AppendedData" => {
                 let is_base64 = match required(tag, "encoding", "the encoding of AppendedData")?.as_str() {
                     "raw" => false,
@@ -207,7 +312,7 @@ impl Document {
                 if !markup.skip_to(b'_')? {
                     return Err(VtkError::Missing { what: "the mark _ before the appended data" });
                 }
-                self.appended = Some((markup.position() + 1, is_base64));
+                self.layout.appended = Some((markup.position() + 1, is_base64));
             }
             _ => {}
         }
@@ -216,23 +321,20 @@ impl Document {
 
     fn file(&mut self, tag: &BytesStart<'_>) -> Result<(), VtkError> {
         let kind = required(tag, "type", "the type of VTKFile")?;
-        if kind == "PImageData" {
-            return Err(VtkError::Parts);
-        }
-        if kind != "ImageData" {
+        if !matches!(kind.as_str(), "ImageData" | "PImageData") {
             return Err(VtkError::Kind { found: excerpt(&kind) });
         }
-        self.words.byte_order = match attribute(tag, "byte_order")?.as_deref() {
+        self.layout.words.byte_order = match attribute(tag, "byte_order")?.as_deref() {
             None | Some("LittleEndian") => ByteOrder::Little,
             Some("BigEndian") => ByteOrder::Big,
             Some(other) => return Err(value("byte_order", other, "LittleEndian or BigEndian")),
         };
-        self.words.is_wide = match attribute(tag, "header_type")?.as_deref() {
+        self.layout.words.is_wide = match attribute(tag, "header_type")?.as_deref() {
             None | Some("UInt32") => false,
             Some("UInt64") => true,
             Some(other) => return Err(value("header_type", other, "UInt32 or UInt64")),
         };
-        self.compressor = match attribute(tag, "compressor")?.as_deref() {
+        self.layout.compressor = match attribute(tag, "compressor")?.as_deref() {
             None | Some("") => None,
             Some(name) => match Compressor::named(name) {
                 None => return Err(VtkError::Compressor { found: excerpt(name) }),
@@ -243,12 +345,9 @@ impl Document {
     }
 
     fn piece(&mut self, tag: &BytesStart<'_>) -> Result<(), VtkError> {
-        let whole = self.grid.as_ref().map(|grid| (grid.start, grid.points));
-        let given = attribute(tag, "Extent")?.map(|text| extent(&text)).transpose()?;
-        if self.has_piece || given.is_some() && given != whole {
-            return Err(VtkError::Pieces);
-        }
-        self.has_piece = true;
+        let text = attribute(tag, "Extent")?;
+        let extent = text.as_deref().map(ends).transpose()?;
+        self.pieces.push(Piece { extent, source: attribute(tag, "Source")?, arrays: Vec::new() });
         Ok(())
     }
 
@@ -272,7 +371,11 @@ impl Document {
         let name = attribute(tag, "Name")?.unwrap_or_default();
         let kind = required(tag, "type", "the type of an array")?;
         let marked = section.active.iter().find(|(_, active)| *active == name);
-        self.arrays.push(Array {
+        let arrays = match self.pieces.last_mut() {
+            Some(piece) if tag.name().as_ref() != "PDataArray" => &mut piece.arrays,
+            _ => &mut self.arrays,
+        };
+        arrays.push(Array {
             element: element_named(&kind).ok_or(kind),
             components,
             of_cells: section.of_cells,
@@ -285,14 +388,14 @@ impl Document {
 }
 
 fn is_section(name: &str) -> bool {
-    matches!(name, "PointData" | "CellData" | "FieldData")
+    matches!(name, "PointData" | "CellData" | "FieldData" | "PPointData" | "PCellData" | "PFieldData")
 }
 
 /// What a tag of points or cells says; that of fields says nothing.
 fn section(tag: &BytesStart<'_>) -> Result<Option<Section>, VtkError> {
     let of_cells = match tag.name().as_ref() {
-        "PointData" => false,
-        "CellData" => true,
+        "PointData" | "PPointData" => false,
+        "CellData" | "PCellData" => true,
         _ => return Ok(None),
     };
     let mut active = Vec::new();
@@ -319,13 +422,22 @@ fn grid(tag: &BytesStart<'_>) -> Result<Grid, VtkError> {
     Ok(grid)
 }
 
-/// Reads `0 3 0 2 0 1`: first and last index along each axis.
+/// As [`ends`], of at least one point along each axis.
 fn extent(text: &str) -> Result<([i64; 3], [u64; 3]), VtkError> {
+    let (start, points) = ends(text)?;
+    let is_some = points.iter().all(|&count| count > 0);
+    is_some
+        .then_some((start, points))
+        .ok_or_else(|| value("an extent", text, "at least one point along each axis"))
+}
+
+/// Reads `0 3 0 2 0 1`: first and last index along each axis; the first and the number of points there, which may be 0.
+fn ends(text: &str) -> Result<([i64; 3], [u64; 3]), VtkError> {
     let fault = || value("an extent", text, "first and last index along each of three axes");
     let ends =
         text.split_whitespace().map(str::parse).collect::<Result<Vec<i64>, _>>().map_err(|_| fault())?;
     let [x, x1, y, y1, z, z1] = ends[..] else { return Err(fault()) };
-    let count = |first: i64, last: i64| last.checked_sub(first)?.checked_add(1).filter(|&count| count > 0);
+    let count = |first: i64, last: i64| last.checked_sub(first)?.checked_add(1).filter(|&count| count >= 0);
     let count = |first, last| count(first, last).map(i64::unsigned_abs).ok_or_else(fault);
     Ok(([x, y, z], [count(x, x1)?, count(y, y1)?, count(z, z1)?]))
 }
