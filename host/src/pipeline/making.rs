@@ -1,7 +1,7 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
 use super::care::{Care, of_face};
-use super::fit::{Aim, Fit, MISSED, Measured, RMS};
+use super::fit::{Aim, Fit, MISSED, Measured, ON, RMS};
 use super::misfits::Misfits;
 use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
@@ -99,7 +99,7 @@ impl Making<'_> {
             least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
-            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms) };
+            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms).max(ON) };
             if !care.take(&aim, &measured, planned.levels, off) {
                 break End::Finest;
             }
