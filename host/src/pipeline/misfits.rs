@@ -2,7 +2,7 @@
 //! where that is better.
 //!
 //! Wrapping spreads vertices more evenly, which makes short files. So where all but a horn or the tip of an ear fits, only
-//! what is around that is placed.
+//! what is around that is placed; and so it is where it is not worth it to place a component as a whole.
 
 use super::care::grow;
 use super::fit::{Aim, MISSED, Measured, NONE, RMS};
@@ -32,6 +32,8 @@ pub(super) struct Misfits {
     before: Vec<Badness>,
     /// What must be left of that for placing it to be worth it.
     worth: Vec<f64>,
+    /// Whether one of them is a whole component.
+    pub(super) has_whole: bool,
 }
 
 /// What is wrong with a part.
@@ -44,15 +46,17 @@ struct Badness {
 }
 
 impl Misfits {
-    /// Looks for them, by distances in units of so many cells' edges; none if all of the surface fits.
+    /// Looks for them, by distances in units of so many cells' edges; none if all of the surface fits. Components that are
+    /// bad all over are one part each if `whole`, and else what is bad of them.
     pub(super) fn new(
         aim: &Aim,
-        surface: &PolygonMesh,
+        wrapped: &Wrapped,
         history: &History,
         measured: &Measured,
         unit: f64,
-        folds: &[u32],
+        whole: bool,
     ) -> Option<Self> {
+        let (surface, folds) = (&wrapped.surface.level(wrapped.surface.levels), &wrapped.report.folds);
         let limits = [RMS, MISSED].map(|limit| limit * unit);
         let components = aim.components_of(surface, history);
         let mut excesses =
@@ -66,17 +70,24 @@ impl Misfits {
             return None;
         }
         let bad = around_bad(surface, measured, FAR * unit, folds);
-        let in_part = fit_but_for(&bad, aim, &components, measured, limits);
+        let in_part = match whole {
+            true => fit_but_for(&bad, aim, &components, measured, limits),
+            false => vec![true; aim.component_count],
+        };
         let is_misfit =
             |(&component, bad): (&u32, bool)| !fits(component) && (bad || !in_part[component as usize]);
         let misfits: Vec<bool> = components.iter().zip(bad).map(is_misfit).collect();
         let (parts, firsts) = connected(surface, &misfits);
+        if firsts.is_empty() {
+            return None;
+        }
         let worth = |&first: &u32| match in_part[components[first as usize] as usize] {
             true => WORTH_IN_PART,
             false => WORTH,
         };
-        let worth = firsts.iter().map(worth).collect();
-        let mut found = Self { parts, limits, before: Vec::new(), worth };
+        let worth: Vec<f64> = firsts.iter().map(worth).collect();
+        let has_whole = worth.contains(&WORTH);
+        let mut found = Self { parts, limits, before: Vec::new(), worth, has_whole };
         found.before = found.badness(surface, measured, folds);
         Some(found)
     }
