@@ -144,19 +144,25 @@ impl Look {
         from: [&[Eight]; 3],
     ) -> u64 {
         let [along, second, third] = self.axes;
-        let others = [self.ruler.node(second, number), self.ruler.node(third, plane)].map(f32x8::splat);
+        let others = Others {
+            second: f32x8::splat(self.ruler.node(second, number)),
+            third: f32x8::splat(self.ruler.node(third, plane)),
+        };
         let lines = near.map(|near| &self.lines[near % 3].threes[..row.len()]);
         let [exact, reach] = self.limits;
         let mut taken = 0;
         for (at, eight) in row.iter_mut().enumerate() {
-            let nodes = self.ruler.nodes(along, at * LANES);
+            let offset = eight.along(along) - self.ruler.nodes(along, at * LANES);
+            let own = offset * offset + others.apart(eight.along(second), eight.along(third));
+            let open = own.simd_gt(exact);
+            if open.none() {
+                continue;
+            }
             let offers =
-                [lines[0][at].offers(others), lines[1][at].offers(others), lines[2][at].offers(others)];
+                [lines[0][at].offers(&others), lines[1][at].offers(&others), lines[2][at].offers(&others)];
             let [first, middle, last] = offers.map(|[a, b, c]| a.fast_min(b.fast_min(c)));
             let least = first.fast_min(middle.fast_min(last)).fast_min(reach);
-            let offset = eight.along(along) - nodes;
-            let own = offset * offset + apart([eight.along(second), eight.along(third)], others);
-            let nearer = (least.simd_lt(own) & own.simd_gt(exact) & least.simd_lt(reach)).to_bitmask();
+            let nearer = (least.simd_lt(own) & open & least.simd_lt(reach)).to_bitmask();
             if nearer != 0 {
                 taken += u64::from(nearer.count_ones());
                 choose(eight, nearer, which(&offers, least), (at, from));
@@ -166,18 +172,27 @@ impl Look {
     }
 }
 
-/// Squared distance along two axes.
-#[inline(always)]
-fn apart(points: [f32x8; 2], others: [f32x8; 2]) -> f32x8 {
-    let offsets = [points[0] - others[0], points[1] - others[1]];
-    offsets[0] * offsets[0] + offsets[1] * offsets[1]
+/// Places of the nodes of a row along the axes other than its own.
+#[derive(Clone, Copy)]
+struct Others {
+    second: f32x8,
+    third: f32x8,
+}
+
+impl Others {
+    /// Squared distances from points along these axes.
+    #[inline(always)]
+    fn apart(&self, second: f32x8, third: f32x8) -> f32x8 {
+        let (second, third) = (second - self.second, third - self.third);
+        second * second + third * third
+    }
 }
 
 impl Three {
-    /// Squared distances of the nodes of a row, whose places along the other axes are given, from the points.
+    /// Squared distances of the nodes of a row from the points.
     #[inline(always)]
-    fn offers(&self, others: [f32x8; 2]) -> [f32x8; 3] {
-        let offer = |n: usize| self.along[n] + apart([self.second[n], self.third[n]], others);
+    fn offers(&self, others: &Others) -> [f32x8; 3] {
+        let offer = |n: usize| self.along[n] + others.apart(self.second[n], self.third[n]);
         [offer(0), offer(1), offer(2)]
     }
 }

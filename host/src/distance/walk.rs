@@ -1,6 +1,6 @@
 //! Walks over neighbouring triangles to the nearest points of a row of nodes.
 
-use wide::{f32x8, i32x8};
+use wide::{f32x8, i32x8, u32x8};
 
 use super::lanes::{LANES, Points, dot, minus, ones};
 use super::rows::{Eight, Ruler, load, nodes, squared};
@@ -61,31 +61,27 @@ pub(super) struct Walk<'a> {
     next: Queue,
 }
 
-/// A node on its way.
-struct Step {
-    node: u32,
-    /// What it looks at next.
-    triangle: u32,
-    /// Where it comes from.
-    from: u32,
-    /// Squared distance to the nearest point so far.
-    best: f32,
-}
-
-/// Eight nodes on their way; triangles that they come from as bits.
-#[derive(Debug, Default)]
-struct Steps {
-    nodes: [i32; LANES],
-    triangles: [u32; LANES],
-    from: [f32; LANES],
-    best: [f32; LANES],
-}
-
-/// Nodes on their way; those beyond the length are left over.
+/// Nodes on their way, in vectors side by side, so that those of eight that go on are put in together.
 #[derive(Debug, Default)]
 struct Queue {
-    steps: Vec<Steps>,
+    nodes: Vec<u32>,
+    /// What they look at next.
+    triangles: Vec<u32>,
+    /// Where they come from.
+    from: Vec<u32>,
+    /// Squared distances to the nearest points so far.
+    best: Vec<f32>,
+    /// How many there are; beyond, vectors hold what is left over.
     length: usize,
+}
+
+/// Eight nodes on their way, as a queue has them.
+#[derive(Clone, Copy)]
+struct Steps {
+    nodes: u32x8,
+    triangles: u32x8,
+    from: u32x8,
+    best: f32x8,
 }
 
 impl<'a> Walk<'a> {
@@ -142,12 +138,9 @@ impl<'a> Walk<'a> {
         let found = found + f32x8::new(going.map(|goes| if goes { 0.0 } else { f32::INFINITY }));
         self.squared.extend_from_slice(found.as_array());
         let on = self.may_go(found) & next.simd_eq(next);
-        self.queue.push(ones(on.to_bitmask()).map(|lane| Step {
-            node: (first + lane) as u32,
-            triangle: next.as_array()[lane].to_bits(),
-            from: triangles[lane],
-            best: found.as_array()[lane],
-        }));
+        let nodes = numbers(first);
+        let steps = Steps { nodes, triangles: bits(next), from: u32x8::new(triangles), best: found };
+        self.queue.push(on.to_bitmask(), steps);
     }
 
     /// Where eight nodes lie.
@@ -178,6 +171,7 @@ impl<'a> Walk<'a> {
         let square = ruler.marks * ruler.marks;
         let (apart, along) = (f32x8::splat(APART * square), f32x8::splat(ALONG * square));
         let mut least = (best + self.slack) * square;
+        let [looked_at, none] = [eight_of(&self.triangles, first), u32x8::splat(NONE)];
         let mut look = |eight: &Eight, axis: usize, step: f32| {
             let theirs = eight.all();
             let offered = squared(&places, &theirs);
@@ -188,14 +182,10 @@ impl<'a> Walk<'a> {
             let differs = far.simd_gt(apart) & dot(&aside, &aside).simd_gt(along);
             let better = may & offered.simd_lt(least) & differs;
             least = better.select(offered, least);
-            let triangles = &self.triangles[first..][..LANES];
-            let news = |&lane: &usize| ![NONE, triangles[lane]].contains(&eight.triangles[lane]);
-            self.queue.push(ones(better.to_bitmask()).filter(news).map(|lane| Step {
-                node: (first + lane) as u32,
-                triangle: eight.triangles[lane],
-                from: NONE,
-                best: best.as_array()[lane],
-            }));
+            let triangles = u32x8::new(eight.triangles);
+            let known = triangles.simd_eq(looked_at) | triangles.simd_eq(none);
+            let steps = Steps { nodes: numbers(first), triangles, from: none, best };
+            self.queue.push(better.to_bitmask() & !known.to_bitmask(), steps);
         };
         let before = number.checked_sub(1).map_or(&Eight::NONE, |before| &row[before]);
         look(&row[number].after(before), 0, -ruler.step[0]);
@@ -214,7 +204,7 @@ impl<'a> Walk<'a> {
             }
             let queue = std::mem::take(&mut self.queue);
             for first in (0..queue.length).step_by(LANES) {
-                self.step(&queue.steps[first / LANES], queue.length - first, detour);
+                self.step(&queue.steps(first), queue.length - first, detour);
             }
             self.queue = std::mem::replace(&mut self.next, queue);
             self.next.length = 0;
@@ -225,26 +215,24 @@ impl<'a> Walk<'a> {
     /// Looks at a triangle for each of up to eight nodes.
     fn step(&mut self, steps: &Steps, count: usize, detour: f32) {
         let mut from = self.places(0);
-        from[0] = f32x8::from_i32x8(i32x8::new(steps.nodes)) * self.spacing[0];
-        let before = f32x8::new(steps.best);
-        let (found, next) = self.look(&steps.triangles, &from, f32x8::new(steps.from));
+        let [nodes, triangles] = [steps.nodes, steps.triangles].map(u32x8::to_array);
+        from[0] = f32x8::from_i32x8(i32x8::new(nodes.map(|node| node as i32))) * self.spacing[0];
+        let before = steps.best;
+        let (found, next) =
+            self.look(&triangles, &from, f32x8::new(steps.from.to_array().map(f32::from_bits)));
         let all = if count < LANES { (1 << count) - 1 } else { u32::MAX };
         for lane in ones(found.simd_lt(before).to_bitmask() & all) {
-            let (node, found) = (steps.nodes[lane] as usize, found.as_array()[lane]);
+            let (node, found) = (nodes[lane] as usize, found.as_array()[lane]);
             // Another walk of the node may have been nearer.
             if found < self.squared[node] {
                 self.squared[node] = found;
-                self.triangles[node] = steps.triangles[lane];
+                self.triangles[node] = triangles[lane];
             }
         }
         let on = found.simd_le(before + detour) & next.simd_eq(next);
-        let best = found.fast_min(before);
-        self.next.push(ones(on.to_bitmask() & all).map(|lane| Step {
-            node: steps.nodes[lane] as u32,
-            triangle: next.as_array()[lane].to_bits(),
-            from: steps.triangles[lane],
-            best: best.as_array()[lane],
-        }));
+        let steps =
+            Steps { triangles: bits(next), from: steps.triangles, best: found.fast_min(before), ..*steps };
+        self.next.push(on.to_bitmask() & all, steps);
     }
 
     /// Squared distances of eight points from a triangle each, and the triangles across the side that is nearest, as bits,
@@ -265,21 +253,79 @@ pub(super) fn mean_side(facets: &[Facet]) -> f32 {
 }
 
 impl Queue {
-    /// Up to eight steps more.
+    /// Adds some of eight steps.
     #[inline(always)]
-    fn push(&mut self, steps: impl Iterator<Item = Step>) {
-        let mut length = self.length;
-        if length / LANES + 1 >= self.steps.len() {
-            self.steps.resize_with(2 * self.steps.len() + 2, Steps::default);
+    fn push(&mut self, some: u32, steps: Steps) {
+        if self.length + LANES > self.nodes.len() {
+            self.grow();
         }
-        for step in steps {
-            let (lane, steps) = (length % LANES, &mut self.steps[length / LANES]);
-            steps.nodes[lane] = step.node as i32;
-            steps.triangles[lane] = step.triangle;
-            steps.from[lane] = f32::from_bits(step.from);
-            steps.best[lane] = step.best;
-            length += 1;
-        }
-        self.length = length;
+        let (order, kept) = (u32x8::new(ORDERS[some as usize]), numbers(0).simd_lt(some.count_ones()));
+        let put = |numbers: &mut [u32], eight: u32x8| {
+            numbers[self.length..][..LANES].copy_from_slice(eight.as_array());
+        };
+        let [nodes, triangles, from, best] =
+            [steps.nodes, steps.triangles, steps.from, bits(steps.best)].map(|eight| eight.shuffle(order));
+        put(&mut self.nodes, nodes);
+        // What is left over looks at some triangle.
+        put(&mut self.triangles, triangles & kept);
+        put(&mut self.from, from);
+        put(bytemuck::cast_slice_mut(&mut self.best), best);
+        self.length += some.count_ones() as usize;
     }
+
+    #[cold]
+    fn grow(&mut self) {
+        let room = (2 * self.length + LANES).next_multiple_of(LANES);
+        for numbers in [&mut self.nodes, &mut self.triangles, &mut self.from] {
+            numbers.resize(room, 0);
+        }
+        self.best.resize(room, 0.0);
+    }
+
+    /// Eight steps, of which the last may be left over.
+    #[inline(always)]
+    fn steps(&self, first: usize) -> Steps {
+        Steps {
+            nodes: eight_of(&self.nodes, first),
+            triangles: eight_of(&self.triangles, first),
+            from: eight_of(&self.from, first),
+            best: load(&self.best, first),
+        }
+    }
+}
+
+/// For each set of lanes, the lanes in an order in which those of the set come first.
+static ORDERS: [[u32; LANES]; 1 << LANES] = {
+    let mut orders = [[0; LANES]; 1 << LANES];
+    let mut set = 0;
+    while set < orders.len() {
+        let (mut lane, mut place) = (0, 0);
+        while lane < LANES {
+            if set >> lane & 1 == 1 {
+                orders[set][place] = lane as u32;
+                place += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    orders
+};
+
+/// Eight numbers from one on.
+#[inline(always)]
+fn numbers(first: usize) -> u32x8 {
+    u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]) + u32x8::splat(first as u32)
+}
+
+/// Eight numbers of many.
+#[inline(always)]
+fn eight_of(numbers: &[u32], first: usize) -> u32x8 {
+    u32x8::new(*numbers[first..].first_chunk().expect("vectors end with room for eight"))
+}
+
+/// Numbers as bits.
+#[inline(always)]
+fn bits(numbers: f32x8) -> u32x8 {
+    bytemuck::cast(numbers)
 }

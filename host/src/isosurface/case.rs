@@ -5,10 +5,14 @@ use std::sync::LazyLock;
 use super::cell::{self, CORNERS, EDGES, FACES};
 use super::decide::{self, Joined};
 
+/// Places that corners of triangles in a cell may have: its edges, then middles.
+pub(super) const PLACES: usize = 16;
+
 /// The triangles of a cell.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pattern {
-    /// Corners of each triangle: edges of the cell, or [`EDGES`] + n for the middle of loop n of `middles`.
+    /// Corners of each triangle: edges of the cell, or [`EDGES`] + n for the middle of loop n of `middles`; all are below
+    /// [`PLACES`].
     pub(super) triangles: Vec<[u8; 3]>,
     /// The edges whose vertices have a vertex in the middle; some edges twice or more, where they weigh more.
     pub(super) middles: Vec<Vec<u8>>,
@@ -35,11 +39,16 @@ struct Decision {
 
 /// All cells with the same inside corners.
 #[derive(Clone, Debug)]
-struct Case {
-    /// Faces on which inside and outside corners alternate.
-    ambiguous: Vec<usize>,
-    /// For each set of joined faces among them, as bits.
-    decisions: Vec<Decision>,
+enum Case {
+    /// All of them look the same.
+    Certain(Pattern),
+    /// Values decide.
+    Open {
+        /// Faces on which inside and outside corners alternate.
+        ambiguous: Vec<usize>,
+        /// For each set of joined faces among them, as bits.
+        decisions: Vec<Decision>,
+    },
 }
 
 /// All cases.
@@ -58,18 +67,22 @@ impl Cases {
 
     /// The triangles of a cell whose inside corners are the bits of `inside`, if they alone decide.
     pub(super) fn certain(&self, inside: u8) -> Option<&Pattern> {
-        let case = &self.cases[usize::from(inside)];
-        let [decision] = &case.decisions[..] else { return None };
-        decision.tubes.is_empty().then_some(&decision.disks)
+        match &self.cases[usize::from(inside)] {
+            Case::Certain(pattern) => Some(pattern),
+            Case::Open { .. } => None,
+        }
     }
 
     /// The triangles of a cell with values relative to the isovalue, which agree with the bits of `inside`.
     pub(super) fn decide(&self, inside: u8, values: &[f64; CORNERS]) -> &Pattern {
-        let case = &self.cases[usize::from(inside)];
-        let bits = case.ambiguous.iter().enumerate();
+        let (ambiguous, decisions) = match &self.cases[usize::from(inside)] {
+            Case::Certain(pattern) => return pattern,
+            Case::Open { ambiguous, decisions } => (ambiguous, decisions),
+        };
+        let bits = ambiguous.iter().enumerate();
         let faces: usize =
             bits.map(|(bit, &face)| usize::from(decide::joined_across(values, face)) << bit).sum();
-        let decision = &case.decisions[faces];
+        let decision = &decisions[faces];
         if decision.tubes.is_empty() {
             return &decision.disks;
         }
@@ -95,7 +108,11 @@ impl Case {
             let joined_faces = ambiguous.iter().enumerate().filter(|(bit, _)| bits >> bit & 1 == 1);
             Decision::new(inside, &joined_faces.map(|(_, &face)| face).collect::<Vec<_>>())
         });
-        Self { decisions: decisions.collect(), ambiguous }
+        let mut decisions: Vec<Decision> = decisions.collect();
+        match &mut decisions[..] {
+            [only] if only.tubes.is_empty() => Self::Certain(std::mem::take(&mut only.disks)),
+            _ => Self::Open { ambiguous, decisions },
+        }
     }
 }
 
@@ -299,15 +316,27 @@ fn strip(above: &[u8], below: &[u8]) -> Option<(i32, Vec<[u8; 3]>)> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn sides_are_used_once_each_way() {
-        for (inside, case) in Cases::get().cases.iter().enumerate() {
-            for decision in &case.decisions {
-                let tubes = decision.tubes.iter().map(|tube| &tube.pattern);
-                for pattern in tubes.chain([&decision.disks]) {
-                    assert!(sides_differ(&pattern.triangles), "{inside:08b} {pattern:?}");
+    impl Case {
+        fn patterns(&self) -> Vec<&Pattern> {
+            match self {
+                Self::Certain(pattern) => vec![pattern],
+                Self::Open { decisions, .. } => {
+                    let tubes = decisions.iter().flat_map(|decision| &decision.tubes);
+                    let disks = decisions.iter().map(|decision| &decision.disks);
+                    tubes.map(|tube| &tube.pattern).chain(disks).collect()
                 }
             }
+        }
+    }
+
+    #[test]
+    fn sides_are_used_once_each_way() {
+        let patterns = Cases::get().cases.iter().flat_map(Case::patterns);
+        assert!(patterns.clone().count() > 256);
+        for pattern in patterns {
+            assert!(sides_differ(&pattern.triangles), "{pattern:?}");
+            let corners = pattern.triangles.iter().flatten();
+            assert!(corners.clone().all(|&corner| usize::from(corner) < PLACES));
         }
     }
 }

@@ -48,9 +48,9 @@ pub(super) fn face_edges(face: usize) -> [usize; 4] {
     std::array::from_fn(|n| edge_between(corners[n], corners[(n + 1) % 4]))
 }
 
-/// Whether two edges lie on one face.
+/// Whether two edges lie on one face: their middles do.
 pub(super) fn share_face(a: usize, b: usize) -> bool {
-    (0..FACES).any(|face| face_edges(face).contains(&a) && face_edges(face).contains(&b))
+    middle(a).into_iter().zip(middle(b)).any(|(a, b)| a == b && a != 1)
 }
 
 /// Twice the coordinates of the middle of an edge.
@@ -68,7 +68,12 @@ mod tests {
         for edge in 0..EDGES {
             let [low, high] = ends(edge);
             assert_eq!((edge_between(low, high), edge_between(high, low)), (edge, edge));
-            assert_eq!((0..FACES).filter(|&face| face_edges(face).contains(&edge)).count(), 2);
+            let faces = |edge| (0..FACES).filter(move |&face| face_edges(face).contains(&edge));
+            assert_eq!(faces(edge).count(), 2);
+            for other in 0..EDGES {
+                let is_shared = faces(edge).any(|face| faces(other).any(|another| face == another));
+                assert_eq!(share_face(edge, other), is_shared);
+            }
         }
     }
 

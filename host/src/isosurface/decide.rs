@@ -74,10 +74,10 @@ impl Column {
 /// columns change sides it is enough to know whether q is positive somewhere, and negative somewhere.
 pub(super) fn join_through(values: &[f64; CORNERS], joined: &mut Joined) {
     let columns = [0, 1, 3, 2].map(|corner| Column { low: values[corner], high: values[corner | 4], corner });
-    let mut levels = vec![0.0, 1.0];
-    levels.extend(columns.iter().filter_map(Column::crossing));
-    levels.sort_by(f64::total_cmp);
-    for &[from, to] in levels.array_windows() {
+    let [a, b, c, d] = columns.each_ref().map(|column| column.crossing().unwrap_or(1.0));
+    let mut levels = [0.0, a, b, c, d, 1.0];
+    levels.sort_unstable_by(f64::total_cmp);
+    for [from, to] in levels.array_windows().copied().filter(|[from, to]| from < to) {
         let corners = columns.map(|column| column.corner_of(0.5 * (from + to)));
         let [a, b, c, d] = corners.map(|corner| values[corner] > 0.0);
         if a == c && b == d && a != b {

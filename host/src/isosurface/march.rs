@@ -7,8 +7,8 @@
 use rayon::prelude::*;
 
 use super::ContourError;
-use super::case::{Cases, Pattern};
-use super::cell::{self, CORNERS, EDGES};
+use super::case::{Cases, PLACES, Pattern};
+use super::cell::{self, CORNERS};
 use super::inside::{Inside, ones, shifted};
 use crate::field::ScalarField;
 use crate::mesh::{Point, TriangleMesh};
@@ -41,12 +41,14 @@ pub(super) fn march(field: &ScalarField, isovalue: f32) -> Result<TriangleMesh, 
 }
 
 /// What a plane of nodes and the layer of cells above it hold.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Plane {
     vertices: usize,
     triangles: usize,
     /// How many middles there are; then the number of the first.
     middles: u64,
+    /// The triangles of those cells whose inside corners alone do not decide, in the order in which cells are visited.
+    decided: Vec<&'static Pattern>,
 }
 
 /// Turns the numbers of vertices of rows along each axis, and of middles, into the numbers of their first ones. Returns how
@@ -114,15 +116,13 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// The triangles of a cell.
-    fn pattern(&self, [i, j, k]: [usize; 3], inside: u8) -> &'static Pattern {
-        self.cases.certain(inside).unwrap_or_else(|| {
-            let values: [f64; CORNERS] = std::array::from_fn(|corner| {
-                let node = [i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)];
-                f64::from(self.field.at(node)) - f64::from(self.isovalue)
-            });
-            self.cases.decide(inside, &values)
-        })
+    /// The triangles of a cell whose inside corners alone do not decide.
+    fn decide(&self, [i, j, k]: [usize; 3], inside: u8) -> &'static Pattern {
+        let values: [f64; CORNERS] = std::array::from_fn(|corner| {
+            let node = [i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)];
+            f64::from(self.field.at(node)) - f64::from(self.isovalue)
+        });
+        self.cases.decide(inside, &values)
     }
 
     /// Triangles and middles of layer k.
@@ -132,7 +132,11 @@ impl<'a> Layers<'a> {
         if k + 1 < depth {
             for j in 0..height - 1 {
                 self.cells(j, k, |i, inside| {
-                    let pattern = self.pattern([i, j, k], inside);
+                    let pattern = self.cases.certain(inside).unwrap_or_else(|| {
+                        let pattern = self.decide([i, j, k], inside);
+                        plane.decided.push(pattern);
+                        pattern
+                    });
                     plane.triangles += pattern.triangles.len();
                     plane.middles += pattern.middles.len() as u64;
                 });
@@ -157,7 +161,7 @@ impl<'a> Layers<'a> {
         }
         tasks.into_par_iter().enumerate().for_each(|(k, (plane, positions, triangles))| {
             let middles = self.write_edges(k, positions);
-            self.write_layer(k, rows, plane.middles, &mut positions[middles..], triangles);
+            self.write_layer(k, rows, plane, &mut positions[middles..], triangles);
         });
         mesh
     }
@@ -186,10 +190,10 @@ impl<'a> Layers<'a> {
         let values = self.field.values();
         let (low, high) = (f64::from(values[start]), f64::from(values[start + stride]));
         let fraction = (f64::from(self.isovalue) - low) / (high - low);
-        let mut local = node.map(|index| index as f64);
         // What is not a number is not greater.
-        local[axis] += if fraction > MARGIN { fraction.min(1.0 - MARGIN) } else { MARGIN };
-        grid.origin + grid.spacing * Point::from_array(local)
+        let fraction = if fraction > MARGIN { fraction.min(1.0 - MARGIN) } else { MARGIN };
+        let local = Point::from_array(node.map(|index| index as f64)) + fraction * Point::AXES[axis];
+        grid.origin + grid.spacing * local
     }
 
     /// Writes the triangles and middles of layer k.
@@ -197,28 +201,27 @@ impl<'a> Layers<'a> {
         &self,
         k: usize,
         rows: &[[u64; 3]],
-        first_middle: u64,
+        plane: &Plane,
         middles: &mut [Point],
         triangles: &mut [[u32; 3]],
     ) {
         let height = self.field.grid().extent[1];
         let (mut written, mut middle) = (0, 0);
+        let mut decided = plane.decided.iter().copied();
         if triangles.is_empty() {
             return;
         }
         for j in 0..height - 1 {
             let mut cursor = Cursor::new(rows, height, j, k);
             self.cells(j, k, |i, inside| {
-                let pattern = self.pattern([i, j, k], inside);
-                let first = first_middle as u32 + middle as u32;
-                let vertices = cursor.pass(inside);
-                for corners in &pattern.triangles {
-                    triangles[written] = corners.map(|corner| match usize::from(corner) {
-                        edge @ 0..EDGES => vertices[edge],
-                        middle => first + (middle - EDGES) as u32,
-                    });
-                    written += 1;
+                let pattern =
+                    self.cases.certain(inside).or_else(|| decided.next()).expect("decided when counted");
+                let vertices = cursor.pass(inside, plane.middles as u32 + middle as u32);
+                let count = pattern.triangles.len();
+                for (triangle, corners) in triangles[written..][..count].iter_mut().zip(&pattern.triangles) {
+                    *triangle = corners.map(|corner| vertices[usize::from(corner) % PLACES]);
                 }
+                written += count;
                 for edges in &pattern.middles {
                     middles[middle] = self.middle([i, j, k], edges);
                     middle += 1;
@@ -265,8 +268,9 @@ impl Cursor {
         }
     }
 
-    /// Numbers of the vertices on the edges of the next cell that the surface meets; those of other edges mean nothing.
-    fn pass(&mut self, inside: u8) -> [u32; EDGES] {
+    /// Numbers of the vertices on the edges of the next cell that the surface meets, and of its middles from a first one on;
+    /// those of other edges mean nothing.
+    fn pass(&mut self, inside: u8, middle: u32) -> [u32; PLACES] {
         let crosses = |edge: usize| {
             let [low, high] = cell::ends(edge);
             u32::from((inside >> low ^ inside >> high) & 1)
@@ -276,6 +280,7 @@ impl Cursor {
         self.along_x = [a + crosses(0), b + crosses(1), c + crosses(2), d + crosses(3)];
         self.along_y = [e + left_e, f + left_f];
         self.along_z = [g + left_g, h + left_h];
-        [a, b, c, d, e, e + left_e, f, f + left_f, g, g + left_g, h, h + left_h]
+        let [m, n, o, p] = [0, 1, 2, 3].map(|next| middle + next);
+        [a, b, c, d, e, e + left_e, f, f + left_f, g, g + left_g, h, h + left_h, m, n, o, p]
     }
 }

@@ -215,14 +215,7 @@ impl Parts {
             fans.join(a.corners[0], b.corners[0]);
             fans.join(a.corners[1], b.corners[1]);
         }
-        let mut component_of: Vec<u32> = Vec::with_capacity(faces);
-        let mut components = 0;
-        for face in 0..faces as u32 {
-            let root = hang_together.root(face);
-            let component = if root == face { components } else { component_of[root as usize] };
-            components += u32::from(root == face);
-            component_of.push(component);
-        }
+        let (component_of, _) = hang_together.counted();
         Self { component_of, face_of, fans }
     }
 }

@@ -75,4 +75,27 @@ impl Sets {
         let (a, b) = (self.root(a), self.root(b));
         self.parents[a.max(b) as usize] = a.min(b);
     }
+
+    /// The set of each number, and how many sets there are; sets are counted in the order of their smallest numbers.
+    pub(crate) fn counted(mut self) -> (Vec<u32>, usize) {
+        let (mut set_of, mut count) = (Vec::with_capacity(self.parents.len()), 0);
+        for number in 0..self.parents.len() as u32 {
+            let root = self.root(number);
+            set_of.push(if root == number { count } else { set_of[root as usize] });
+            count += u32::from(root == number);
+        }
+        (set_of, count as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_are_counted_by_their_smallest_numbers() {
+        let mut sets = Sets::new(7);
+        [[5, 3], [6, 1], [3, 1], [4, 2]].into_iter().for_each(|[a, b]| sets.join(a, b));
+        assert_eq!(sets.counted(), (vec![0, 1, 2, 1, 2, 1, 1], 3));
+    }
 }

@@ -33,11 +33,9 @@ impl Care {
     /// target or the target from it; whether there is such a place and care can be taken.
     pub(super) fn take(&mut self, aim: &Aim, measured: &Measured, splits: u32, limit: f64) -> bool {
         let mut marked: Vec<bool> = measured.of_target.iter().map(|&distance| distance > limit).collect();
-        let off =
-            measured.of_surface.iter().zip(&measured.closest).filter(|&(&distance, _)| distance > limit);
-        for closest in off.filter_map(|(_, closest)| *closest) {
-            let triangle = aim.mesh.triangles[closest.triangle as usize];
-            triangle.iter().for_each(|&corner| marked[corner as usize] = true);
+        for &(_, triangle) in measured.off.iter().filter(|(distance, _)| *distance > limit) {
+            let corners = aim.mesh.triangles[triangle as usize];
+            corners.iter().for_each(|&corner| marked[corner as usize] = true);
         }
         for _ in 0..if marked.contains(&true) { self.rings } else { 0 } {
             grow(aim.mesh.polygons(), &mut marked);

@@ -13,6 +13,9 @@ pub(super) const RMS: f64 = 0.05;
 /// Vertices of the target that are farther than this from the surface are missed by it, in cells' edges.
 pub const MISSED: f64 = 1.0;
 
+/// Places of the surface that are not farther than this from the target are on it, in cells' edges.
+pub(super) const ON: f64 = 0.1;
+
 /// No part of a surface.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -62,8 +65,9 @@ pub(super) struct Aim<'a> {
     field: Option<(&'a ScalarField, f32)>,
     pub(super) tree: Bvh,
     pub(super) cell: f64,
-    /// The component of each vertex, by its first one.
+    /// The component of each vertex.
     pub(super) components: Vec<u32>,
+    pub(super) component_count: usize,
 }
 
 /// A fit, and how far each vertex is off, in cells' edges.
@@ -73,8 +77,8 @@ pub(super) struct Measured {
     pub(super) of_target: Vec<f64>,
     /// The vertices of the surface, and the middles of its faces.
     pub(super) of_surface: Vec<f64>,
-    /// The points of the target that are closest to these.
-    pub(super) closest: Vec<Option<Closest>>,
+    /// Those of these that are farther off than [`ON`], and the triangle of the target that is closest to each.
+    pub(super) off: Vec<(f64, u32)>,
     /// The vertex of the surface that is near each vertex of the target: of the place that is closest.
     pub(super) nearest: Vec<u32>,
 }
@@ -86,18 +90,15 @@ impl<'a> Aim<'a> {
             sets.join(a, b);
             sets.join(b, c);
         }
-        let components = (0..mesh.positions.len() as u32).map(|vertex| sets.root(vertex)).collect();
-        Self { mesh, field, tree: Bvh::new(mesh), cell, components }
+        let (components, component_count) = sets.counted();
+        Self { mesh, field, tree: Bvh::new(mesh), cell, components, component_count }
     }
 
     /// Measures a surface at its vertices and the middles of its faces, and at the vertices of the target, each for the area
     /// around it.
     ///
-    /// Cost: a closest point for each vertex, on all threads.
+    /// Cost: a closest point for each vertex of the target and for what is off it, on all threads.
     pub(super) fn measure(&self, surface: &PolygonMesh) -> Measured {
-        let in_cells = |closest: &Option<Closest>| {
-            closest.map_or(f64::INFINITY, |closest| closest.distance_squared.sqrt() / self.cell)
-        };
         let (of_target, nearest) = {
             let triangles = surface.triangulated();
             let found = Bvh::new(&triangles).closest_all(&self.mesh.positions);
@@ -105,23 +106,41 @@ impl<'a> Aim<'a> {
                 .iter()
                 .zip(&self.mesh.positions)
                 .map(|(closest, &place)| nearest(&triangles, closest, place));
-            (found.iter().map(in_cells).collect::<Vec<f64>>(), nearest.collect())
+            let nearest = nearest.collect();
+            (found.iter().map(|closest| self.in_cells(closest)).collect::<Vec<f64>>(), nearest)
         };
-        let fans = fans(surface);
-        let closest = self.tree.closest_all(&fans.positions);
-        let mut of_surface: Vec<f64> = closest.iter().map(in_cells).collect();
-        if let Some((field, isovalue)) = self.field {
-            let ways = ways(field, isovalue.into(), &fans.positions);
-            for (distance, way) in of_surface.iter_mut().zip(ways) {
-                *distance = way.unwrap_or(*distance);
-            }
-        }
+        let places = with_middles(surface);
+        let (of_surface, off) = self.off(&places);
         let fit = Fit {
-            forward: misfit(&fans, &of_surface),
-            backward: misfit(self.mesh, &of_target),
+            forward: misfit(&places, fans(surface), &of_surface),
+            backward: misfit(&self.mesh.positions, self.mesh.triangles.iter().copied(), &of_target),
             missed: self.missed(&of_target),
         };
-        Measured { fit, of_target, of_surface, closest, nearest }
+        Measured { fit, of_target, of_surface, off, nearest }
+    }
+
+    /// How far places are from the target: those that are near an isosurface by the way down to it, which is known without
+    /// a look at its triangles. And how far those are off, and from which triangle, that are not on it.
+    fn off(&self, places: &[Point]) -> (Vec<f64>, Vec<(f64, u32)>) {
+        let mut distances = match self.field {
+            Some((field, isovalue)) => ways(field, isovalue.into(), places),
+            None => vec![None; places.len()],
+        };
+        let is_off = |distance: &Option<f64>| distance.is_none_or(|distance| distance > ON);
+        let off = distances.iter().zip(places).filter(|(distance, _)| is_off(distance));
+        let off: Vec<Point> = off.map(|(_, &place)| place).collect();
+        let closest = self.tree.closest_all(&off);
+        let found = distances.iter_mut().filter(|distance| is_off(distance)).zip(closest);
+        let off = found.filter_map(|(distance, closest)| {
+            let distance = *distance.get_or_insert(self.in_cells(&closest));
+            Some((distance, closest?.triangle)).filter(|_| distance > ON)
+        });
+        let off = off.collect();
+        (distances.into_iter().map(|distance| distance.unwrap_or(f64::INFINITY)).collect(), off)
+    }
+
+    fn in_cells(&self, closest: &Option<Closest>) -> f64 {
+        closest.map_or(f64::INFINITY, |closest| closest.distance_squared.sqrt() / self.cell)
     }
 
     /// What draws vertices of the surface: places of the target that it passes farther than `limit`, in cells' edges, but does
@@ -137,7 +156,7 @@ impl<'a> Aim<'a> {
         draws.into_iter().map(|(vertex, _, place)| Draw { vertex, place }).collect()
     }
 
-    /// The component of the target that each vertex of a surface belongs to, by its first vertex.
+    /// The component of the target that each vertex of a surface belongs to.
     pub(super) fn components_of(&self, surface: &PolygonMesh, history: &History) -> Vec<u32> {
         let mut sets = Sets::new(surface.positions.len());
         for face in surface.faces().iter() {
@@ -175,7 +194,7 @@ impl<'a> Aim<'a> {
 
     fn missed(&self, distances: &[f64]) -> Vec<Missed> {
         let none = Missed { place: Point::ZERO, most: 0.0, missed: 0, vertices: 0, diagonal: 0.0 };
-        let mut tallies = vec![(none, Bounds::NONE); distances.len()];
+        let mut tallies = vec![(none, Bounds::NONE); self.component_count];
         for ((&component, &place), &distance) in
             self.components.iter().zip(&self.mesh.positions).zip(distances)
         {
@@ -204,11 +223,11 @@ fn nearest(mesh: &TriangleMesh, closest: &Option<Closest>, point: Point) -> u32 
     [b, c].into_iter().fold(a, |best, other| if away(&other) < away(&best) { other } else { best })
 }
 
-/// Root mean square over the area, and the largest, of distances at the vertices.
-fn misfit(mesh: &TriangleMesh, distances: &[f64]) -> Misfit {
+/// Root mean square over the area of triangles, and the largest, of distances at their corners.
+fn misfit(places: &[Point], triangles: impl Iterator<Item = [u32; 3]>, distances: &[f64]) -> Misfit {
     let (mut squares, mut areas, mut most) = (0.0, 0.0, 0.0_f64);
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|corner| places[corner as usize]);
         let area = (b - a).cross(c - a).length();
         let of_corners = triangle.map(|corner| distances[corner as usize]);
         squares += area * of_corners.iter().map(|distance| distance * distance).sum::<f64>() / 3.0;
@@ -218,15 +237,20 @@ fn misfit(mesh: &TriangleMesh, distances: &[f64]) -> Misfit {
     Misfit { rms: if areas > 0.0 { (squares / areas).sqrt() } else { 0.0 }, most }
 }
 
-/// Every face as the triangles between its sides and its middle, which follows the vertices.
-fn fans(surface: &PolygonMesh) -> TriangleMesh {
-    let mut fans = TriangleMesh { positions: surface.positions.clone(), triangles: Vec::new() };
-    for face in surface.faces().iter() {
-        let middle = fans.positions.len() as u32;
+/// The vertices of a surface, and the middles of its faces.
+fn with_middles(surface: &PolygonMesh) -> Vec<Point> {
+    let middle = |face: &[u32]| {
         let sum: Point = face.iter().map(|&corner| surface.positions[corner as usize]).sum();
-        fans.positions.push(sum / face.len() as f64);
+        sum / face.len() as f64
+    };
+    surface.positions.iter().copied().chain(surface.faces().iter().map(middle)).collect()
+}
+
+/// Every face as the triangles between its sides and its middle.
+fn fans(surface: &PolygonMesh) -> impl Iterator<Item = [u32; 3]> {
+    let middles = surface.positions.len() as u32..;
+    surface.faces().iter().zip(middles).flat_map(|(face, middle)| {
         let next = face.iter().cycle().skip(1);
-        fans.triangles.extend(face.iter().zip(next).map(|(&from, &to)| [from, to, middle]));
-    }
-    fans
+        face.iter().zip(next).map(move |(&from, &to)| [from, to, middle])
+    })
 }

@@ -1,7 +1,7 @@
 //! Base mesh and shrink-wrap, until the surface fits.
 
 use super::care::{Care, of_face};
-use super::fit::{Aim, Fit, MISSED, Measured, RMS};
+use super::fit::{Aim, Fit, MISSED, Measured, ON, RMS};
 use super::misfits::Misfits;
 use super::round::{End, Round, Rounds};
 use super::{BuildError, BuildOptions, Stage, target};
@@ -19,6 +19,8 @@ const FAR: f64 = 2.0;
 const LEFT: f64 = 0.9;
 /// And none whose base mesh has nearly as many vertices as the last one: but for so small a part of them, it is the same.
 const SAME: f64 = 1e-4;
+/// So many times the root mean square may be what it was for faces to be turned back where the surface does not fit.
+const WORSE: f64 = 1.05;
 /// At first, the finest mesh may have one in so many of the vertices that it may have in the end: what shows where care is to
 /// be taken need not be fine.
 const FIRST: f64 = 2.0;
@@ -99,7 +101,7 @@ impl Making<'_> {
             least = [0, 1].map(|one| least[one].min(found[one]));
             // Where all in all it fits, only what is lost needs a finer base mesh.
             let rms = measured.fit.rms();
-            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms) };
+            let off = if rms <= RMS * unit { MISSED * unit } else { (OFF * unit).min(FAR * rms).max(ON) };
             if !care.take(&aim, &measured, planned.levels, off) {
                 break End::Finest;
             }
@@ -135,7 +137,7 @@ impl Making<'_> {
         planned.levels < self.options.levels && vertices <= MANY
     }
 
-    /// Turns faces back that are turned over, unless the surface no longer fits then.
+    /// Turns faces back that are turned over, unless the surface no longer fits then, or fits worse by a good deal.
     fn untangled(&self, aim: &Aim, mut fitted: Fitted) -> Result<Fitted, BuildError> {
         let Fitted { base, wrapped, fit } = &mut fitted;
         let levels = wrapped.surface.levels;
@@ -144,7 +146,7 @@ impl Making<'_> {
         Settling::new(base, levels, self.distance, &self.wrapping(aim, levels, lines.as_ref()))?
             .untangled(wrapped);
         let after = aim.measure(&wrapped.surface.level(levels)).fit;
-        if after.rms() <= fit.rms().max(RMS * self.unit(aim)) {
+        if after.rms() <= (WORSE * fit.rms()).max(RMS * self.unit(aim)) {
             *fit = after;
         } else {
             (wrapped.surface.positions, wrapped.report) = before;
@@ -218,23 +220,26 @@ impl Making<'_> {
         options: &WrapOptions,
     ) -> Result<Measured, BuildError> {
         let levels = wrapped.surface.levels;
-        let surface = wrapped.surface.level(levels);
-        let mut measured = aim.measure(&surface);
-        let history = base.history.as_ref();
-        let misfits = history.and_then(|history| {
-            let folds = &wrapped.report.folds;
-            Some((history, Misfits::new(aim, &surface, history, &measured, self.unit(aim), folds)?))
-        });
-        drop(surface);
+        let mut measured = aim.measure(&wrapped.surface.level(levels));
+        let look = |wrapped: &Wrapped, measured: &Measured, whole: bool| {
+            Misfits::new(aim, wrapped, base.history.as_ref()?, measured, self.unit(aim), whole)
+        };
+        let misfits = look(wrapped, &measured, true);
         let may_draw = self.field.is_some() && self.options.rounds > 0;
         let is_rough = |measured: &Measured| may_draw && measured.fit.backward.rms > RMS;
         if misfits.is_none() && !is_rough(&measured) {
             return Ok(measured);
         }
         let mut settling = Settling::new(&base.mesh, levels, self.distance, options)?;
-        if let Some((history, misfits)) = misfits {
+        if let (Some(misfits), Some(history)) = (misfits, &base.history) {
             let places = history.places(self.contour, &base.mesh, levels);
             measured = misfits.placed(aim, wrapped, &mut settling, &places, measured);
+            // Where it is not worth it to place a component as a whole, it may be for what is bad of it.
+            if misfits.has_whole
+                && let Some(parts) = look(wrapped, &measured, false)
+            {
+                measured = parts.placed(aim, wrapped, &mut settling, &places, measured);
+            }
         }
         if is_rough(&measured) && settling.drawn(wrapped, &aim.draws(&measured, RMS)) > 0 {
             measured = aim.measure(&wrapped.surface.level(levels));

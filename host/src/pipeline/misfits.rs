@@ -2,7 +2,7 @@
 //! where that is better.
 //!
 //! Wrapping spreads vertices more evenly, which makes short files. So where all but a horn or the tip of an ear fits, only
-//! what is around that is placed.
+//! what is around that is placed; and so it is where it is not worth it to place a component as a whole.
 
 use super::care::grow;
 use super::fit::{Aim, MISSED, Measured, NONE, RMS};
@@ -32,6 +32,8 @@ pub(super) struct Misfits {
     before: Vec<Badness>,
     /// What must be left of that for placing it to be worth it.
     worth: Vec<f64>,
+    /// Whether one of them is a whole component.
+    pub(super) has_whole: bool,
 }
 
 /// What is wrong with a part.
@@ -44,46 +46,48 @@ struct Badness {
 }
 
 impl Misfits {
-    /// Looks for them, by distances in units of so many cells' edges; none if all of the surface fits.
+    /// Looks for them, by distances in units of so many cells' edges; none if all of the surface fits. Components that are
+    /// bad all over are one part each if `whole`, and else what is bad of them.
     pub(super) fn new(
         aim: &Aim,
-        surface: &PolygonMesh,
+        wrapped: &Wrapped,
         history: &History,
         measured: &Measured,
         unit: f64,
-        folds: &[u32],
+        whole: bool,
     ) -> Option<Self> {
+        let (surface, folds) = (&wrapped.surface.level(wrapped.surface.levels), &wrapped.report.folds);
         let limits = [RMS, MISSED].map(|limit| limit * unit);
-        let ones = aim.components_of(surface, history);
-        let count = aim.components.len();
-        let mut excesses = Aim::excesses([&ones, &aim.components], count, measured, limits);
+        let components = aim.components_of(surface, history);
+        let mut excesses =
+            Aim::excesses([&components, &aim.components], aim.component_count, measured, limits);
         for &face in folds {
-            let one = ones[surface.faces().get(face as usize)[0] as usize] as usize;
-            excesses[one] = f64::INFINITY;
+            let corner = surface.faces().get(face as usize)[0];
+            excesses[components[corner as usize] as usize] = f64::INFINITY;
         }
-        if !ones.iter().any(|&one| excesses[one as usize] > 1.0) {
+        let fits = |component: u32| excesses[component as usize] <= 1.0;
+        if components.iter().all(|&component| fits(component)) {
             return None;
         }
         let bad = around_bad(surface, measured, FAR * unit, folds);
-        let rest = |(&one, &vertex): (&u32, &u32)| if bad[vertex as usize] { NONE } else { one };
-        let vertices: Vec<u32> = (0..ones.len() as u32).collect();
-        let rests = [(&ones, &vertices), (&aim.components, &measured.nearest)]
-            .map(|(ones, vertices)| ones.iter().zip(vertices).map(rest).collect::<Vec<u32>>());
-        let rests = Aim::excesses(rests.each_ref().map(Vec::as_slice), count, measured, limits);
-        let mut sizes = vec![[0_usize; 2]; count];
-        for (&one, &bad) in ones.iter().zip(&bad) {
-            sizes[one as usize][usize::from(bad)] += 1;
-        }
-        let in_part = |one: u32| {
-            let [good, bad] = sizes[one as usize];
-            rests[one as usize] <= 1.0 && bad as f64 <= LARGEST * (good + bad) as f64
+        let in_part = match whole {
+            true => fit_but_for(&bad, aim, &components, measured, limits),
+            false => vec![true; aim.component_count],
         };
-        let is_misfit = |(&one, bad): (&u32, bool)| excesses[one as usize] > 1.0 && (bad || !in_part(one));
-        let misfits: Vec<bool> = ones.iter().zip(bad).map(is_misfit).collect();
+        let is_misfit =
+            |(&component, bad): (&u32, bool)| !fits(component) && (bad || !in_part[component as usize]);
+        let misfits: Vec<bool> = components.iter().zip(bad).map(is_misfit).collect();
         let (parts, firsts) = connected(surface, &misfits);
-        let worth = |&first: &u32| if in_part(ones[first as usize]) { WORTH_IN_PART } else { WORTH };
-        let worth = firsts.iter().map(worth).collect();
-        let mut found = Self { parts, limits, before: Vec::new(), worth };
+        if firsts.is_empty() {
+            return None;
+        }
+        let worth = |&first: &u32| match in_part[components[first as usize] as usize] {
+            true => WORTH_IN_PART,
+            false => WORTH,
+        };
+        let worth: Vec<f64> = firsts.iter().map(worth).collect();
+        let has_whole = worth.contains(&WORTH);
+        let mut found = Self { parts, limits, before: Vec::new(), worth, has_whole };
         found.before = found.badness(surface, measured, folds);
         Some(found)
     }
@@ -143,6 +147,31 @@ impl Badness {
         let is_nearer = self.excess < worth * before.excess;
         is_nearer || (self.folds < before.folds && self.excess <= before.excess)
     }
+}
+
+/// Which components fit but for what is bad, and that is not too large a part of them. `components` are those of the
+/// vertices of the surface.
+fn fit_but_for(
+    bad: &[bool],
+    aim: &Aim,
+    components: &[u32],
+    measured: &Measured,
+    limits: [f64; 2],
+) -> Vec<bool> {
+    let good = |component: u32, vertex: usize| if bad[vertex] { NONE } else { component };
+    let of_surface: Vec<u32> =
+        components.iter().enumerate().map(|(vertex, &component)| good(component, vertex)).collect();
+    let of_target = aim.components.iter().zip(&measured.nearest);
+    let of_target: Vec<u32> =
+        of_target.map(|(&component, &vertex)| good(component, vertex as usize)).collect();
+    let excesses = Aim::excesses([&of_surface, &of_target], aim.component_count, measured, limits);
+    let mut counts = vec![[0_usize; 2]; aim.component_count];
+    for (&component, &bad) in components.iter().zip(bad) {
+        let [all, some] = &mut counts[component as usize];
+        (*all, *some) = (*all + 1, *some + usize::from(bad));
+    }
+    let is_small = |[all, some]: [usize; 2]| some as f64 <= LARGEST * all as f64;
+    excesses.into_iter().zip(counts).map(|(excess, counts)| excess <= 1.0 && is_small(counts)).collect()
 }
 
 /// Which vertices of a surface are farther than `limit` from the target, or next to what of that is so far from it, or
