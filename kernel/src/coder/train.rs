@@ -166,9 +166,9 @@ impl Training {
     pub(super) fn trained(&mut self, subject: &Subject<'_>, lessons: [usize; ROUNDS]) -> Weights {
         let [at_first, in_the_end] = lessons;
         let mut weights = Weights::ZERO;
-        self.learn(subject, at_first, None, &mut weights, |_, _| true);
+        self.learn(subject, at_first, None, &mut weights, &|_, _| true);
         let before = weights;
-        self.learn(subject, in_the_end, Some(&before), &mut weights, |_, _| true);
+        self.learn(subject, in_the_end, Some(&before), &mut weights, &|_, _| true);
         weights
     }
 
@@ -181,7 +181,7 @@ impl Training {
         lessons: usize,
         before: Option<&Weights>,
         weights: &mut Weights,
-        counts: impl Fn([usize; 2], usize) -> bool,
+        counts: &dyn Fn([usize; 2], usize) -> bool,
     ) {
         let Subject { taps, .. } = subject;
         let count = taps.weights();

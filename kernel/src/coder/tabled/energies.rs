@@ -21,6 +21,30 @@ const LARGEST_SCALE: u32 = super::wide::MOST_SPAN_BITS;
 /// How far the columns are away that count, at most.
 const REACH: usize = 2;
 
+/// Weights of ranks for their own column, for those next to it, and for those next but one.
+type Weights = [i32; 1 + REACH];
+
+/// A row around, that far down and deep, and what its ranks weigh.
+struct Row([isize; 2], Weights);
+
+/// N, NN and the one before that, in the first plane.
+const PLANE: [Row; 3] = [Row([-1, 0], [11, 8, 6]), Row([-2, 0], [6, 4, 0]), Row([-3, 0], [5, 0, 0])];
+
+/// N and U; the one below U; NN, the one above U, that two below, and UU; in all other planes.
+const BRICK: [Row; 7] = [
+    Row([-1, 0], NEAR),
+    Row([0, -1], NEAR),
+    Row([1, -1], BELOW),
+    Row([-2, 0], FAR),
+    Row([-1, -1], FAR),
+    Row([2, -1], FAR),
+    Row([0, -2], FAR),
+];
+
+const NEAR: Weights = [7, 4, 1];
+const BELOW: Weights = [6, 3, 0];
+const FAR: Weights = [3, 0, 0];
+
 /// Places whose classes are found together.
 const LANES: usize = 16;
 
@@ -59,19 +83,22 @@ impl Steps {
     ) -> Option<(&'b mut [i32], &'a mut [i32])> {
         let (before, own) = split_at_row(values, sides, place)?;
         let [width, height, _] = sides;
-        let row = |down: isize, deep: isize| {
-            let [y, z] = nearest(place, [down, deep], height);
+        let row = |away: [isize; 2]| {
+            let [y, z] = nearest(place, away, height);
             let start = z.wrapping_mul(height).wrapping_add(y).wrapping_mul(width);
-            before.get(start..start.wrapping_add(width))
+            before.get(start..start.wrapping_add(width)).unwrap_or(&[])
         };
         let mut sums = Sums::new(width, scratch)?;
         match place {
-            [0, 0] => sums.set(own.iter(), |_| [0; _]),
-            [_, 0] => sums.of_plane([row(-1, 0)?, row(-2, 0)?, row(-3, 0)?]),
-            _ => sums.of_brick(
-                [row(-1, 0)?, row(0, -1)?, row(1, -1)?],
-                [row(-2, 0)?, row(-1, -1)?, row(2, -1)?, row(0, -2)?],
-            ),
+            [0, 0] => sums.clear(),
+            _ if cfg!(feature = "small") => {
+                sums.clear();
+                let [_, z] = place;
+                let rows = if z == 0 { PLANE.as_slice() } else { &BRICK };
+                rows.iter().for_each(|Row(away, weights)| sums.add(row(*away), *weights));
+            }
+            [_, 0] => sums.of_plane(PLANE.map(|Row(away, _)| row(away))),
+            _ => sums.of_brick(BRICK.map(|Row(away, _)| row(away))),
         }
         sums.gather();
         self.classify(sums.here);
@@ -80,6 +107,14 @@ impl Steps {
 
     /// Makes classes of energies.
     fn classify(&self, energies: &mut [i32]) {
+        if cfg!(feature = "small") {
+            for energy in energies {
+                let reduced = (*energy & RANKS) >> self.scale;
+                let count = |class: i32, least| class.wrapping_add(i32::from(reduced >= i32::from(least)));
+                *energy = LEAST.into_iter().fold(0, count);
+            }
+            return;
+        }
         let (blocks, rest) = energies.as_chunks_mut::<LANES>();
         blocks.iter_mut().for_each(|energies| self.classify_block(energies));
         let mut last = [0; LANES];
@@ -88,6 +123,7 @@ impl Steps {
         copy(&last, rest);
     }
 
+    /// The same of many at once.
     #[inline(always)]
     fn classify_block(&self, energies: &mut [i32; LANES]) {
         let reduced = energies.map(|energy| low_half(((energy & RANKS) >> self.scale).min(i16::MAX.into())));
@@ -124,26 +160,46 @@ impl<'a> Sums<'a> {
         Some(Self { here, next, next_but_one: rest.get_mut(..width.wrapping_add(2 * REACH))? })
     }
 
-    /// What each column adds to the energies of the first plane, of which the three rows before are known.
+    fn clear(&mut self) {
+        self.here.fill(0);
+        self.next.fill(0);
+        self.next_but_one.fill(0);
+    }
+
+    /// Sets what each column adds in the first plane.
     #[inline(always)]
     fn of_plane(&mut self, [n, nn, nnn]: [&[i32]; 3]) {
+        let [Row(_, [n0, n1, n2]), Row(_, [nn0, nn1, _]), Row(_, [nnn0, ..])] = PLANE;
         self.set(n.iter().zip(nn).zip(nnn), |((&n, &nn), &nnn)| {
-            [sum([11, 6, 5], [n, nn, nnn]), sum([8, 4], [n, nn]), sum([6], [n])]
+            [sum([n0, nn0, nnn0], [n, nn, nnn]), sum([n1, nn1], [n, nn]), sum([n2], [n])]
         });
     }
 
-    /// The same of all others: by N, U and the row below U, and by NN, that above U, that two below, and UU.
+    /// The same in all others.
     #[inline(always)]
-    fn of_brick(&mut self, [n, u, us]: [&[i32]; 3], [nn, un, uss, uu]: [&[i32]; 4]) {
-        let rows = n.iter().zip(u).zip(us).zip(nn).zip(un).zip(uss).zip(uu);
-        self.set(rows, |((((((&n, &u), &us), &nn), &un), &uss), &uu)| {
+    fn of_brick(&mut self, [n, u, below, nn, un, uss, uu]: [&[i32]; 7]) {
+        let ([near0, near1, near2], [below0, below1, _], [far0, ..]) = (NEAR, BELOW, FAR);
+        let rows = n.iter().zip(u).zip(below).zip(nn).zip(un).zip(uss).zip(uu);
+        self.set(rows, |((((((&n, &u), &below), &nn), &un), &uss), &uu)| {
             let (near, far) = (sum([1, 1], [n, u]), sum([1; 4], [nn, un, uss, uu]));
-            [sum([7, 6, 3], [near, us, far]), sum([4, 3], [near, us]), near]
+            let here = sum([near0, below0, far0], [near, below, far]);
+            [here, sum([near1, below1], [near, below]), sum([near2], [near])]
         });
     }
 
+    /// Adds what the ranks of a row add.
+    fn add(&mut self, row: &[i32], weights: Weights) {
+        let (next, far) = (self.next.get_mut(1..), self.next_but_one.get_mut(REACH..));
+        let sums = [&mut *self.here, next.unwrap_or(&mut []), far.unwrap_or(&mut [])];
+        for (sums, weight) in sums.into_iter().zip(weights) {
+            for (sum, rank) in sums.iter_mut().zip(row) {
+                *sum = sum.wrapping_add(weight.wrapping_mul(*rank));
+            }
+        }
+    }
+
     #[inline(always)]
-    fn set<T>(&mut self, rows: impl Iterator<Item = T>, of: impl Fn(T) -> [i32; 1 + REACH]) {
+    fn set<T>(&mut self, rows: impl Iterator<Item = T>, of: impl Fn(T) -> Weights) {
         let next = self.next.get_mut(1..).unwrap_or(&mut []);
         let next_but_one = self.next_but_one.get_mut(REACH..).unwrap_or(&mut []);
         set(self.here, next, next_but_one, rows, of);
@@ -168,7 +224,7 @@ fn set<T>(
     next: &mut [i32],
     next_but_one: &mut [i32],
     rows: impl Iterator<Item = T>,
-    of: impl Fn(T) -> [i32; 1 + REACH],
+    of: impl Fn(T) -> Weights,
 ) {
     for (((here, next), next_but_one), row) in here.iter_mut().zip(next).zip(next_but_one).zip(rows) {
         [*here, *next, *next_but_one] = of(row);
@@ -228,9 +284,28 @@ mod tests {
         sums.of_plane([&[1; 3]; 3]);
         sums.gather();
         assert_eq!(sums.here, [58; 3]);
-        sums.of_brick([&[1; 3]; 3], [&[1; 3]; 4]);
+        sums.of_brick([&[1; 3]; 7]);
         sums.gather();
         assert_eq!(sums.here, [58; 3]);
+    }
+
+    #[test]
+    fn rows_one_by_one_add_the_same() {
+        let row = |step: i32| core::array::from_fn::<i32, 20, _>(|x| i32::try_from(x).unwrap() * step % 17);
+        let rows = [3, 5, 7, 11, 13, 16, 19].map(row);
+        let rows @ [n, nn, nnn, ..] = rows.each_ref().map(|row| &row[..]);
+        let (mut scratch, mut other) = ([0; 66], [0; 66]);
+        let (mut at_once, mut one_by_one) =
+            (Sums::new(20, &mut scratch).unwrap(), Sums::new(20, &mut other).unwrap());
+        at_once.of_plane([n, nn, nnn]);
+        rows.into_iter().zip(PLANE).for_each(|(row, Row(_, weights))| one_by_one.add(row, weights));
+        assert_eq!((&at_once.here, &at_once.next), (&one_by_one.here, &one_by_one.next));
+        at_once.of_brick(rows);
+        one_by_one.clear();
+        rows.into_iter().zip(BRICK).for_each(|(row, Row(_, weights))| one_by_one.add(row, weights));
+        assert_eq!(at_once.here, one_by_one.here);
+        assert_eq!(at_once.next[1..21], one_by_one.next[1..21]);
+        assert_eq!(at_once.next_but_one[2..22], one_by_one.next_but_one[2..22]);
     }
 
     #[test]

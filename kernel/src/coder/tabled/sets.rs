@@ -67,7 +67,7 @@ pub(super) fn learn(
             let before = *set;
             let counts = |[y, _]: [usize; 2], column: usize| labels.get(cells.at(y, column)) == number;
             let lessons = LESSONS_OF_SET.wrapping_mul(tried);
-            training.learn(&pupils.subject, lessons, Some(&before), set, counts);
+            training.learn(&pupils.subject, lessons, Some(&before), set, &counts);
         }
         saved = pupils.label_by_residuals(training, sets, labels);
     }
