@@ -37,8 +37,8 @@ pub enum Effort<'a> {
     /// of 2^14 samples or more that span at most 19 bits: the quickest both ways. As [`Effort::Fast`] for others.
     Tabled,
     /// As [`Effort::Tabled`], with predictions from as many samples as [`Effort::Default`], trained in memory lent by the
-    /// caller, for samples that span at most 16 bits: nearly as short as that, and much quicker. As [`Effort::Default`]
-    /// for others.
+    /// caller, of slices several that suit parts of them, for samples that span at most 16 bits: about as short as that,
+    /// and much quicker. As [`Effort::Default`] for others.
     Wide(&'a mut Training),
     /// Predictors without weights.
     Fast,
