@@ -246,7 +246,8 @@ impl<'a> Compressor<'a> {
         let Label { name, time } = label;
         let step = Step { number, name, time, sides: grid.sides, channels: channels.collect() };
         writer.step(&step)?;
-        let most = self.most(&grid, supply.held());
+        let known: u64 = tried.iter().flatten().map(Tried::held).sum();
+        let most = self.most(&grid, supply.held().saturating_add(known));
         let job = Job { step: &step, codings: &codings, tried: &tried, grid, element, layout, most };
         let coded = job.run(supply, &self.pool, writer, progress)?;
         if coded.is_some_and(|coded| coded != crc) {

@@ -57,7 +57,7 @@ struct Piece {
     bytes: Vec<u8>,
 }
 
-/// A piece that was encoded as its brick would be, where it is one.
+/// The only piece, which is the whole volume, encoded as its only brick is.
 #[derive(Debug)]
 pub(super) struct Tried {
     sides: [u32; 3],
@@ -66,6 +66,11 @@ pub(super) struct Tried {
 }
 
 impl Tried {
+    /// Bytes of memory that it takes, about.
+    pub(super) fn held(&self) -> u64 {
+        (self.bytes.len() + self.encoded.bytes.len()) as u64
+    }
+
     /// What a brick is encoded to, if it is that one.
     pub(super) fn encoded(&self, samples: Samples<'_>) -> Option<Encoded> {
         (samples.sides == self.sides && samples.bytes == self.bytes).then(|| self.encoded.clone())

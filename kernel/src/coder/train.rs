@@ -174,7 +174,7 @@ impl Training {
 
     /// Trains weights once more, so that coefficients which are hard to predict by those `before` count less: on about so
     /// many in rows all over the subband, of those which `counts` by the place of the row and the first column of each
-    /// [`BLOCK`] of it.
+    /// [`BLOCK`] of it. Where none does, all become 0: predictions are W, which suits what is flat.
     pub(super) fn learn(
         &mut self,
         subject: &Subject<'_>,
@@ -192,8 +192,7 @@ impl Training {
         for place in rows(taps, lessons) {
             let Some(around) = Around::new(subject, place) else { return };
             for start in (0..taps.row_len().min(lessons)).step_by(LANES) {
-                if counts(place, start) {
-                    self.fill(subject, &around, start);
+                if counts(place, start) && self.fill(subject, &around, start).is_some() {
                     self.add_block(count, least, before);
                 }
             }
@@ -213,7 +212,9 @@ impl Training {
         let count = subject.taps.weights();
         let Some(around) = Around::new(subject, place) else { return };
         for (start, sums) in (first..around.row.len()).step_by(BLOCK).zip(sums) {
-            self.fill(subject, &around, start);
+            if self.fill(subject, &around, start).is_none() {
+                return;
+            }
             for (set, sum) in sets.iter().zip(sums) {
                 let residuals = self.residuals(set.0.get(..count).unwrap_or(&[]));
                 *sum = residuals.iter().fold(*sum, |sum, size| sum.wrapping_add(size.unsigned_abs()));

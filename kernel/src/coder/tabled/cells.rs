@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::bits::{BitReader, BitWriter};
+use crate::coder::train::BLOCK;
 use crate::extent::to_usize;
 
 /// Sets of weights, at most.
@@ -13,6 +14,8 @@ const CELLS: usize = 1 << 11;
 
 /// Columns and rows of the smallest cells, as powers of two.
 const SMALLEST: [u32; 2] = [5, 4];
+
+const _: () = assert!((1_usize << SMALLEST[0]).is_multiple_of(BLOCK));
 
 /// Bytes of the labels of all cells, and one for those that lie across two.
 const LABELS_LEN: usize = CELLS * 3 / 8 + 1;

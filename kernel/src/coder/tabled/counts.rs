@@ -85,7 +85,7 @@ mod tests {
             counts.carry(3);
         }
         counts.finish().normalise(Layout::NEAREST);
-        tables.share_out(Layout::NEAREST);
+        tables.share_out();
         [0, 3, 12].map(|token| tables.share(5, token).frequency)
     }
 

@@ -1,15 +1,12 @@
 //! Classes by more ranks than the nearest, in steps that suit the brick.
 
 use super::bits::{BitReader, BitWriter};
-use super::class::RANKS;
+use super::class::{CLASSES, RANKS};
 use super::neighbours::split_at_row;
 use crate::coder::low_half;
 use crate::memory::copy;
 
-/// Classes there are.
-pub(super) const CLASSES: usize = 14;
-
-/// The least energies of the classes but the first, where ranks are small: each 1.7 times the one before.
+/// The least energies of the classes but the first, where ranks are small: each about 1.7 times the one before.
 const LEAST: [i16; CLASSES - 1] = [2, 3, 5, 9, 15, 26, 44, 74, 126, 215, 365, 621, 1056];
 
 /// Bits of a scale in the codestream.

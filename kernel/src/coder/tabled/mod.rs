@@ -151,8 +151,9 @@ pub(crate) fn encode(
         }
         _ => Predictor::Narrow(Narrow::train(memory.lessons()?, brick.sides, span, brick.values)),
     };
-    brick.make_residuals(&predictor)?;
-    let len = brick.write(memory.tables()?, &predictor, out);
+    let tables = memory.tables()?;
+    brick.make_residuals(&predictor);
+    let len = brick.write(tables, &predictor, out);
     if len.is_none() {
         brick.values.iter_mut().for_each(|value| *value &= class::RANKS);
         brick.make_samples(&predictor);
@@ -348,7 +349,7 @@ impl Brick<'_> {
         }
         tables.normalise(classes.layout());
         tables.write(classes.layout(), &mut head)?;
-        tables.share_out(classes.layout());
+        tables.share_out();
         let at = extra_len.wrapping_add(head.finish()?);
         let mut numerals = NumeralWriter::new(rest.get_mut(at..)?);
         for row in self.values.rchunks(width.max(1)) {

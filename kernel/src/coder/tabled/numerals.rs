@@ -208,7 +208,7 @@ mod tests {
         tables.count(0, 0, 1);
         tables.count(0, 1, 1);
         tables.normalise(Layout::NEAREST);
-        tables.share_out(Layout::NEAREST);
+        tables.share_out();
         tables
     }
 

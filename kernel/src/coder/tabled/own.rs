@@ -42,11 +42,11 @@ impl<const N: usize> OwnRow<N> {
 
     /// Makes samples of the ranks of a row or a part of it, as [`OwnRow::forward`] made ranks of them.
     #[cfg_attr(not(feature = "small"), inline(always))]
-    pub(super) fn inverse(&self, row: &mut [i32], sums: &mut [i32], before: &mut [i32; N]) {
+    pub(super) fn inverse(&self, row: &mut [i32], sums: &mut [i32], west: &mut [i32; N]) {
         if cfg!(feature = "small") {
             for (slot, &sum) in row.iter_mut().zip(&*sums) {
-                let sample = self.predicted(self.add(sum, before)).wrapping_add(of_rank(*slot));
-                slide(before, sample);
+                let sample = self.predicted(self.add(sum, west)).wrapping_add(of_rank(*slot));
+                slide(west, sample);
                 *slot = sample;
             }
             return;
@@ -59,17 +59,17 @@ impl<const N: usize> OwnRow<N> {
             *slot = of_rank(*slot);
             *sum = sum.wrapping_add(of_lowest).wrapping_add(*slot << FRACTION_BITS);
         }
-        let mut west = before.map(|sample| sample.wrapping_sub(lowest));
+        let mut before = west.map(|sample| sample.wrapping_sub(lowest));
         for (slot, &sum) in row.iter_mut().zip(&*sums) {
-            let sum = self.add(sum, &west);
+            let sum = self.add(sum, &before);
             let mut sample = sum >> FRACTION_BITS;
             if sample.wrapping_sub(*slot).cast_unsigned() > span.cast_unsigned() {
                 sample = self.limited(sum, *slot);
             }
-            slide(&mut west, sample);
+            slide(&mut before, sample);
             *slot = sample.wrapping_add(lowest);
         }
-        *before = west.map(|sample| sample.wrapping_add(lowest));
+        *west = before.map(|sample| sample.wrapping_add(lowest));
     }
 
     /// The sample, less the lowest, of a prediction that is beyond the span: seldom, so that it is foreseen not to be.

@@ -1,6 +1,8 @@
 //! Several sets of weights for the cells of a slice: each is trained on the cells that it suits best, and these are found
 //! again, in turn.
 
+use core::ops::Range;
+
 use super::cells::{Cells, OwnLabels, SETS};
 use super::wide::{CODED_BITS, usable};
 use crate::coder::Training;
@@ -65,9 +67,9 @@ pub(super) fn learn(
     for _ in 0..ROUNDS {
         for (number, set) in sets.iter_mut().skip(1).enumerate() {
             let before = *set;
-            let counts = |[y, _]: [usize; 2], column: usize| labels.get(cells.at(y, column)) == number;
+            let belongs = |[y, _]: [usize; 2], column: usize| labels.get(cells.at(y, column)) == number;
             let lessons = LESSONS_OF_SET.wrapping_mul(tried);
-            training.learn(&pupils.subject, lessons, Some(&before), set, &counts);
+            training.learn(&pupils.subject, lessons, Some(&before), set, &belongs);
         }
         saved = pupils.label_by_residuals(training, sets, labels);
     }
@@ -105,36 +107,44 @@ impl Pupils<'_> {
         })
     }
 
+    /// The columns and rows of a cell: fewer at the end of the slice.
+    fn columns(&self, start: usize) -> Range<usize> {
+        let ([of_columns, _], [width, _]) = (self.cells.bits, self.sides);
+        let first = start >> of_columns << of_columns;
+        first..width.min(first.wrapping_add(1 << of_columns))
+    }
+
     /// Labels cells by how steep they are: by the logarithm of the mean difference of neighbours beside that of all.
     fn label_by_steepness(&self, sets: usize, labels: &mut OwnLabels) {
-        let (mut all, mut count) = (0_u64, 0_u64);
-        self.for_each_steepness(|_, steepness| {
-            all = all.wrapping_add(steepness);
-            count = count.wrapping_add(1);
+        let mean = |[sum, columns]: [u64; 2]| log2(sum).wrapping_sub(log2(columns));
+        let mut all = [0_u64; 2];
+        self.for_each_steepness(|_, [sum, columns]| {
+            let [of_sums, of_columns] = all;
+            all = [of_sums.saturating_add(sum), of_columns.saturating_add(columns)];
         });
-        let mean = log2(all.checked_div(count).unwrap_or(0));
+        let mean_of_all = mean(all);
         // Four labels are an octave apart, eight half of one.
         let bits = if sets > 4 { BIT_FRACTION - 1 } else { BIT_FRACTION };
         let middle = i32::try_from(sets / 2).unwrap_or(0);
         self.for_each_steepness(|cell, steepness| {
-            let label = (log2(steepness).wrapping_sub(mean) >> bits).wrapping_add(middle).max(0);
+            let label = (mean(steepness).wrapping_sub(mean_of_all) >> bits).wrapping_add(middle).max(0);
             labels.set(cell, usize::try_from(label).unwrap_or(0).min(sets.wrapping_sub(1)));
         });
     }
 
-    /// Does something with the sum of differences of neighbours in the rows of each cell that are looked at.
-    fn for_each_steepness(&self, mut then: impl FnMut(usize, u64)) {
-        let ([of_columns, of_rows], [columns, rows], [width, _]) =
-            (self.cells.bits, self.cells.counts, self.sides);
+    /// Does something with the sum of differences of neighbours in the rows of each cell that are looked at, and its columns.
+    fn for_each_steepness(&self, mut then: impl FnMut(usize, [u64; 2])) {
+        let ([of_columns, of_rows], [columns, rows]) = (self.cells.bits, self.cells.counts);
         for row_of_cells in 0..rows {
             let rows = self
                 .looks(row_of_cells)
                 .map(|y| self.subject.taps.own_row(self.subject.coefficients, [y, 0]));
             for start in (0..columns).map(|column| column << of_columns) {
-                let columns = start..width.min(start.wrapping_add(1 << of_columns));
+                let columns = self.columns(start);
                 let parts = rows.iter().flatten().filter_map(|row| row.get(columns.clone()));
-                let steepness = parts.fold(0, |sum: u64, part| sum.wrapping_add(steepness(part).into()));
-                then(self.cells.at(row_of_cells << of_rows, start), steepness);
+                let sum = parts.fold(0, |sum: u64, part| sum.wrapping_add(steepness(part)));
+                let cell = self.cells.at(row_of_cells << of_rows, start);
+                then(cell, [sum, u64::try_from(columns.len()).unwrap_or(1)]);
             }
         }
     }
@@ -142,23 +152,26 @@ impl Pupils<'_> {
     /// Labels each cell with the set that leaves the smallest residuals. Returns the bits that this saves beside the weights
     /// for all cells, the first, about.
     fn label_by_residuals(&self, training: &mut Training, sets: &[Weights], labels: &mut OwnLabels) -> u64 {
-        let ([of_columns, of_rows], [_, rows], [width, _]) = (self.cells.bits, self.cells.counts, self.sides);
+        let ([_, of_rows], [_, rows], [width, height]) = (self.cells.bits, self.cells.counts, self.sides);
         let (mut saved, mut sizes): (u64, Sizes) = (0, [0; _]);
-        for row_of_cells in 0..rows {
+        for first_row in (0..rows).map(|row| row << of_rows) {
+            let rows = height.wrapping_sub(first_row).min(1 << of_rows);
             for from in (0..width).step_by(BLOCK * BLOCKS) {
                 let mut of_blocks: [Sizes; BLOCKS] = [[0; _]; _];
-                for y in self.looks(row_of_cells) {
+                for y in self.looks(first_row >> of_rows) {
                     training.add_residuals(&self.subject, [y, 0], (from, &mut of_blocks), sets);
                 }
                 for (start, of_block) in (from..width).step_by(BLOCK).zip(&of_blocks) {
                     for (size, of_block) in sizes.iter_mut().zip(of_block) {
-                        *size = size.wrapping_add(*of_block);
+                        *size = size.saturating_add(*of_block);
                     }
-                    let next = start.wrapping_add(BLOCK);
-                    if next >= width || next >> of_columns != start >> of_columns {
-                        let cell = self.cells.at(row_of_cells << of_rows, start);
-                        let gain = self.label(cell, core::mem::take(&mut sizes), sets.len(), labels);
-                        saved = saved.wrapping_add(gain << of_columns << of_rows);
+                    let columns = self.columns(start);
+                    if start.wrapping_add(BLOCK) >= columns.end {
+                        let (cell, columns) = (self.cells.at(first_row, start), columns.len());
+                        let gain =
+                            self.label((cell, columns), core::mem::take(&mut sizes), sets.len(), labels);
+                        let samples = u64::try_from(columns.wrapping_mul(rows)).unwrap_or(0);
+                        saved = saved.saturating_add(gain.saturating_mul(samples));
                     }
                 }
             }
@@ -166,21 +179,27 @@ impl Pupils<'_> {
         saved >> BIT_FRACTION
     }
 
-    /// Labels a cell with the best of all sets but the first. Returns the bits of a sample that this saves, about, in
-    /// 1/2^[`BIT_FRACTION`].
-    fn label(&self, cell: usize, sizes: Sizes, sets: usize, labels: &mut OwnLabels) -> u64 {
+    /// Labels a cell of so many columns with the best of all sets but the first. Returns the bits of a sample that this
+    /// saves, about, in 1/2^[`BIT_FRACTION`].
+    fn label(
+        &self,
+        (cell, columns): (usize, usize),
+        sizes: Sizes,
+        sets: usize,
+        labels: &mut OwnLabels,
+    ) -> u64 {
         let [for_all, of_sets @ ..] = sizes;
         let of_sets = of_sets.into_iter().take(sets.wrapping_sub(1)).enumerate();
         let Some((best, least)) = of_sets.min_by_key(|(_, size)| *size) else { return 0 };
         labels.set(cell, best);
-        u64::try_from(self.bits(for_all).wrapping_sub(self.bits(least))).unwrap_or(0)
+        let bits = |size| self.bits(columns, size);
+        u64::try_from(bits(for_all).wrapping_sub(bits(least))).unwrap_or(0)
     }
 
     /// Bits that a residual of mean size m takes up to a summand, about log2(1 + e m), in 1/2^[`BIT_FRACTION`]; of the sum
-    /// of sizes in a cell.
-    fn bits(&self, size: u32) -> i32 {
-        let [of_columns, _] = self.cells.bits;
-        let looked = u64::try_from(LOOKS << of_columns).unwrap_or(0);
+    /// of sizes in so many columns.
+    fn bits(&self, columns: usize, size: u32) -> i32 {
+        let looked = u64::try_from(columns.wrapping_mul(LOOKS)).unwrap_or(0);
         let size = u64::from(size) << self.subject.shift();
         // 11 / 4 is about e.
         log2((looked << SIZE_BITS << 2).wrapping_add(size.wrapping_mul(11)))
@@ -188,9 +207,9 @@ impl Pupils<'_> {
 }
 
 /// The sum of the sizes of differences of neighbours.
-fn steepness(row: &[i32]) -> u32 {
+fn steepness(row: &[i32]) -> u64 {
     let pairs = row.iter().zip(row.get(1..).unwrap_or(&[]));
-    pairs.fold(0, |sum, (west, here)| sum.wrapping_add(here.wrapping_sub(*west).unsigned_abs()))
+    pairs.fold(0, |sum: u32, (west, here)| sum.saturating_add(here.wrapping_sub(*west).unsigned_abs())).into()
 }
 
 /// About the binary logarithm, in 1/2^[`BIT_FRACTION`].
@@ -208,6 +227,25 @@ mod tests {
 
     extern crate std;
     use std::vec::Vec;
+
+    #[test]
+    #[cfg_attr(miri, ignore = "takes an hour where each access is checked")]
+    fn noise_has_one_set() {
+        for [width, height] in [[1, 16384], [8192, 2], [33, 512], [129, 131], [512, 32]] {
+            let mut seed = 7_u32;
+            let mut random = || {
+                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (seed >> 25).cast_signed()
+            };
+            let samples: Vec<i32> = (0..width * height).map(|_| random()).collect();
+            let plan = Plan::new(Wavelet::Haar, Extent::slice(width, height).unwrap(), 0).unwrap();
+            let taps = Taps::new(&plan, plan.subbands(0).next().unwrap(), Planes::First).unwrap();
+            let cells = Cells::new([width, height].map(crate::extent::to_usize));
+            let learnt = (&mut { OwnLabels::NEW }, &mut [0; 8 * 17][..]);
+            let sets = learn(&mut { Training::NEW }, &taps, &samples, &cells, learnt);
+            assert_eq!(sets, 1, "{width} x {height}");
+        }
+    }
 
     #[test]
     fn logarithms_are_near() {

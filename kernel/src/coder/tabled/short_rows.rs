@@ -22,7 +22,10 @@ const PADDED: usize = WIDEST + LANES;
 /// Rows that are kept: as many as a row knows of its own plane, of that before, and of the one before that.
 const KEPT: usize = SAMPLES.len();
 
-const _: () = assert!(2 * REACH < LANES && WIDEST.is_multiple_of(COLUMNS));
+/// Columns behind those that are summed up of which some count, rounded up.
+const BEHIND: usize = 8;
+
+const _: () = assert!(2 * REACH <= BEHIND && WIDEST + BEHIND <= PADDED && WIDEST.is_multiple_of(COLUMNS));
 
 /// A row with those samples around it that count, as differences from the middle of what samples may be.
 type ShortRow = [i16; PADDED];
@@ -81,8 +84,8 @@ impl ShortRows {
         let rest = sums.len() % COLUMNS;
         let (many, few) = sums.split_at_mut_checked(sums.len().wrapping_sub(rest)).unwrap_or_default();
         let first_of_few = first.wrapping_add(many.len());
-        self.sum_chunks::<{ COLUMNS / LANES }, { COLUMNS + 8 }>(rows, start, first, many);
-        self.sum_chunks::<2, { 2 * LANES + 8 }>(rows, start, first_of_few, few);
+        self.sum_chunks::<{ COLUMNS / LANES }, { COLUMNS + BEHIND }>(rows, start, first, many);
+        self.sum_chunks::<2, { 2 * LANES + BEHIND }>(rows, start, first_of_few, few);
     }
 
     /// The same, so many vectors at a time, for which so many columns of each row are needed.

@@ -1,8 +1,8 @@
 //! The frequencies of tokens, by class.
 
 use super::bits::{BitReader, BitWriter};
+use super::class::CLASSES;
 use super::token::TOKENS;
-use super::{class, energies};
 
 /// Frequencies of a class sum up to 2^12.
 pub(super) const SUM_BITS: u32 = 12;
@@ -35,23 +35,21 @@ const LOW: u16 = (1 << LOW_BITS) - 1;
 
 const _: () = assert!(COUNT_BITS + SUM_BITS < u32::BITS);
 
-const _: () =
-    assert!(class::CLASSES <= CLASS_SLOTS && energies::CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
+const _: () = assert!(CLASSES <= CLASS_SLOTS && TOKENS < TOKEN_SLOTS);
 
 /// How tables stand in the codestream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
-    classes: usize,
     /// Bits of a frequency from the leading one on; all below are zero.
     digits: u32,
 }
 
 impl Layout {
     /// With classes by the nearest ranks: frequencies as they are.
-    pub(super) const NEAREST: Self = Self { classes: class::CLASSES, digits: SUM_BITS + 1 };
+    pub(super) const NEAREST: Self = Self { digits: SUM_BITS + 1 };
 
     /// With classes by more: what rounding costs is less than the bits that it saves.
-    pub(super) const ROUNDED: Self = Self { classes: energies::CLASSES, digits: 4 };
+    pub(super) const ROUNDED: Self = Self { digits: 4 };
 
     /// Low bits of a frequency of so many bits that are zero.
     const fn zeros(self, size: u32) -> u32 {
@@ -117,7 +115,7 @@ impl Tables {
 
     /// Makes frequencies of counts: each token that was counted has one.
     pub(super) fn normalise(&mut self, layout: Layout) {
-        for (counts, highs) in self.starts.iter_mut().zip(&self.finder).take(layout.classes) {
+        for (counts, highs) in self.starts.iter_mut().zip(&self.finder).take(CLASSES) {
             let total = |(&low, &high): (&u16, &u8)| (u32::from(high) << LOW_BITS).wrapping_add(low.into());
             let sum = counts.iter().zip(highs).map(total).fold(0, u32::wrapping_add);
             for (count, high) in counts.iter_mut().zip(highs) {
@@ -134,7 +132,7 @@ impl Tables {
 
     /// Writes the frequencies.
     pub(super) fn write(&self, layout: Layout, bits: &mut BitWriter<'_>) -> Option<()> {
-        for frequencies in self.starts.iter().take(layout.classes) {
+        for frequencies in self.starts.iter().take(CLASSES) {
             let last = frequencies.iter().rposition(|&frequency| frequency > 0);
             let used = last.map_or(0, |last| last.wrapping_add(1));
             bits.put(u32::try_from(used).ok()?, NUMBER_BITS)?;
@@ -151,17 +149,17 @@ impl Tables {
     }
 
     /// Makes starts of shares of the frequencies.
-    pub(super) fn share_out(&mut self, layout: Layout) {
-        for frequencies in self.starts.iter_mut().take(layout.classes) {
+    pub(super) fn share_out(&mut self) {
+        for frequencies in self.starts.iter_mut().take(CLASSES) {
             balance(frequencies);
             accumulate(frequencies);
         }
     }
 
-    /// Reads what [`Tables::write`] wrote; `None` if frequencies do not sum up. In a class without tokens the first has
+    /// Reads what [`Tables::write`] wrote; `None` if frequencies do not sum up, as rounded ones need not. In a class without tokens the first has
     /// all, so that damage which asks for one changes no state.
     pub(super) fn read(&mut self, layout: Layout, bits: &mut BitReader<'_>) -> Option<()> {
-        for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(layout.classes) {
+        for (starts, finder) in self.starts.iter_mut().zip(&mut self.finder).take(CLASSES) {
             let used = low(bits.take(NUMBER_BITS));
             if used > TOKENS {
                 return None;
@@ -240,7 +238,7 @@ const fn low(number: u32) -> usize {
     crate::extent::to_usize(number)
 }
 
-/// Makes shares that sum up to about 2^12 do so exactly, at the cost of the largest.
+/// Makes shares sum up to 2^12, at the cost of the largest: of more than that, it is never a single point.
 fn balance(shares: &mut [u16]) {
     let mut sum = shares.iter().fold(0_u16, |sum, &share| sum.wrapping_add(share));
     while sum != SUM && sum > 0 {
@@ -341,7 +339,7 @@ mod tests {
         tables.write(Layout::ROUNDED, &mut bits).unwrap();
         // 14 counts; of sizes 12, 11, 7 the steps 0, -1, -4; three bits each below leading ones.
         assert_eq!(bits.finish(), Some((14 * 6 + 1 + 3 + 9 + 9_usize).div_ceil(8)));
-        tables.share_out(Layout::ROUNDED);
+        tables.share_out();
         let mut read = Tables::NEW;
         read.read(Layout::ROUNDED, &mut BitReader::new(&out)).unwrap();
         // 2819, 1208 and 68 of 4096 become 2816, 1152 and 72; the largest gets what is missing.

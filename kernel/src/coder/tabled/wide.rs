@@ -24,9 +24,6 @@ const LARGEST: i16 = (1 << (CODED_BITS - 1)) - 1;
 /// The largest sum of magnitudes of weights: sums of products with samples of 16 bits do not overflow.
 const LARGEST_SUM: u32 = 1 << 14;
 
-/// Samples that the weights of all other planes are trained on.
-const LESSONS: [usize; 2] = [1 << 11, 3 << 11];
-
 /// Bits of the number of sets, less one.
 const SETS_BITS: u32 = 3;
 
@@ -34,6 +31,9 @@ const _: () = assert!(SETS == 1 << SETS_BITS);
 
 /// Samples that the weights of the first plane of a brick are trained on, at first and in the end: it is not worth more.
 const LESSONS_OF_FIRST: [usize; 2] = [1 << 9, 1 << 10];
+
+/// Samples that the weights of all other planes are trained on.
+const LESSONS: [usize; 2] = [1 << 11, 3 << 11];
 
 /// Half of the last bit that is rounded away.
 const HALF: i32 = 1 << (FRACTION_BITS - 1);
@@ -110,7 +110,10 @@ impl<'a> Wide<'a> {
         let subband = self.plan.subbands(0).next()?;
         let [first, others] =
             [Planes::First, Planes::Others].map(|planes| Taps::new(&self.plan, subband, planes));
-        if others.is_some() { Some((others?, first)) } else { Some((first?, None)) }
+        match others {
+            Some(others) => Some((others, first)),
+            None => Some((first?, None)),
+        }
     }
 
     /// Weights in use.
