@@ -30,7 +30,6 @@ mod nrrd;
 mod order;
 mod overwritten;
 mod packbits;
-#[cfg(any(feature = "hdf5", feature = "zarr"))]
 mod pieces;
 mod planes;
 mod png;
