@@ -120,7 +120,7 @@ impl Pupils<'_> {
         let mut all = [0_u64; 2];
         self.for_each_steepness(|_, [sum, columns]| {
             let [of_sums, of_columns] = all;
-            all = [of_sums.saturating_add(sum), of_columns.saturating_add(columns)];
+            all = [of_sums.wrapping_add(sum), of_columns.wrapping_add(columns)];
         });
         let mean_of_all = mean(all);
         // Four labels are an octave apart, eight half of one.
@@ -171,7 +171,7 @@ impl Pupils<'_> {
                         let gain =
                             self.label((cell, columns), core::mem::take(&mut sizes), sets.len(), labels);
                         let samples = u64::try_from(columns.wrapping_mul(rows)).unwrap_or(0);
-                        saved = saved.saturating_add(gain.saturating_mul(samples));
+                        saved = saved.wrapping_add(gain.wrapping_mul(samples));
                     }
                 }
             }
@@ -213,6 +213,8 @@ fn steepness(row: &[i32]) -> u64 {
 }
 
 /// About the binary logarithm, in 1/2^[`BIT_FRACTION`].
+// Where it is inlined, LLVM of Rust 1.95 makes something else of it for riscv32imc.
+#[cfg_attr(feature = "small", inline(never))]
 fn log2(number: u64) -> i32 {
     let whole = number.checked_ilog2().unwrap_or(0);
     let part = (number << BIT_FRACTION >> whole) & ((1 << BIT_FRACTION) - 1);
