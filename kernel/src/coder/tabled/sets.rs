@@ -47,6 +47,8 @@ struct Pupils<'a> {
 
 /// Learns sets of weights, one behind the other, and labels cells with their numbers: only one if more are not worth their
 /// bits. Returns how many.
+// Apart from its callers, so that those which never come here do not take its stack.
+#[inline(never)]
 pub(super) fn learn(
     training: &mut Training,
     taps: &Taps,

@@ -78,6 +78,7 @@ impl<'a> Wide<'a> {
     }
 
     /// Weights that suit samples.
+    #[inline(never)]
     #[cfg_attr(
         feature = "trained",
         expect(
