@@ -240,7 +240,7 @@ impl<'a> Compressor<'a> {
             codings.push(coding);
             tried.push(of_trial);
         }
-        let channels = codings.iter_mut().zip(&surveys).zip(bounds);
+        let channels = codings.iter().zip(&surveys).zip(bounds);
         let channels =
             channels.map(|((coding, survey), bound)| channel(coding, survey, &grid, bound, element));
         let Label { name, time } = label;
@@ -355,9 +355,9 @@ fn look_through(pool: &Pool, line: Block<'_>, surveys: &mut [Survey]) {
     found.iter().for_each(|(component, next)| surveys[*component].append(next));
 }
 
-/// What there is to say before the bricks are coded, some of which the coding has to know as well.
+/// What there is to say before the bricks are coded.
 fn channel(
-    coding: &mut Coding,
+    coding: &Coding,
     survey: &Survey,
     grid: &Grid,
     bound: Option<Bound>,

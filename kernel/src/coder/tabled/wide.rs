@@ -159,14 +159,7 @@ impl<'a> Wide<'a> {
         scratch: &mut [i32],
         short_rows: &mut ShortRows,
     ) -> Option<()> {
-        let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
-        let sums = self.sum_known(before, place, scratch, short_rows)?;
-        let mut west = [self.reference(before, place); WEST];
-        for (columns, set) in self.runs(place) {
-            let own = self.own_row(set, place);
-            own.forward(row.get_mut(columns.clone())?, sums.get_mut(columns)?, &mut west);
-        }
-        Some(())
+        self.code_row(values, place, scratch, short_rows, OwnRow::forward).map(|_| ())
     }
 
     /// Makes samples of the ranks of row y of plane z.
@@ -177,15 +170,30 @@ impl<'a> Wide<'a> {
         scratch: &mut [i32],
         short_rows: &mut ShortRows,
     ) -> Option<()> {
+        let row = self.code_row(values, place, scratch, short_rows, OwnRow::inverse)?;
+        short_rows.note(row, self.span);
+        Some(())
+    }
+
+    /// Does `code` to each part of a row that has the same weights: with the part, the sums over its known rows, and the
+    /// last samples before it. Returns the row.
+    #[inline(always)]
+    fn code_row<'b>(
+        &self,
+        values: &'b mut [i32],
+        place: [usize; 2],
+        scratch: &mut [i32],
+        short_rows: &mut ShortRows,
+        code: impl Fn(&OwnRow<WEST>, &mut [i32], &mut [i32], &mut [i32; WEST]),
+    ) -> Option<&'b [i32]> {
         let (before, row) = split_at_row(values, self.plan.extent().sides(), place)?;
         let sums = self.sum_known(before, place, scratch, short_rows)?;
         let mut west = [self.reference(before, place); WEST];
         for (columns, set) in self.runs(place) {
             let own = self.own_row(set, place);
-            own.inverse(row.get_mut(columns.clone())?, sums.get_mut(columns)?, &mut west);
+            code(&own, row.get_mut(columns.clone())?, sums.get_mut(columns)?, &mut west);
         }
-        short_rows.note(row, self.span);
-        Some(())
+        Some(row)
     }
 
     /// The columns of a row that have the same weights, and these.
